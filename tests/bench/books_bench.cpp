@@ -13,6 +13,7 @@
 #include "core/design/book_fit.hpp"
 #include "core/design/patches.hpp"
 #include "tests/support/meshes.hpp"
+#include "tests/support/value.hpp"
 
 namespace books_bench {
 
@@ -53,11 +54,10 @@ struct Measured {
 };
 
 Measured measured(const std::string& text, const SurfaceAssets& assets = {}) {
-  const auto spec = parse_design_spec(text);
-  if (!spec) FAIL(message(spec.error()));
+  const auto spec = testing::value(parse_design_spec(text));
   std::optional<Result<PatchAssembly>> made;
   Measured out;
-  out.design_s = cpu_s_of([&] { made = design_assembly(*spec, assets); });
+  out.design_s = cpu_s_of([&] { made = design_assembly(spec, assets); });
   if (!*made) FAIL(message(made->error()));
   const PatchAssembly& book = **made;
   REQUIRE(book.book);

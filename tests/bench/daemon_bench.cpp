@@ -24,6 +24,7 @@
 #include "tests/bench/http_load.hpp"
 #include "tests/support/daemon_process.hpp"
 #include "tests/support/paths.hpp"
+#include "tests/support/value.hpp"
 
 namespace daemon_bench {
 
@@ -101,9 +102,8 @@ class Bench {
 
   void start() {
     REQUIRE(daemon_.start());
-    const auto address = client::parse_address("unix:" + daemon_.socket());
-    REQUIRE(address);
-    client::HttpClient http({*address}, "");
+    const auto address = value(client::parse_address("unix:" + daemon_.socket()));
+    client::HttpClient http({address}, "");
     api_ = std::make_unique<Api>(std::move(http));
     const std::string url = daemon_.url();
     tcp_.port = static_cast<std::uint16_t>(std::atoi(url.c_str() + url.rfind(':') + 1));
@@ -166,10 +166,9 @@ class Bench {
           if (connection.ask(post_job(local())).status != 201) return;
       });
     for (std::thread& thread : threads) thread.join();
-    const auto jobs = api().list("/v1/jobs", "jobs");
-    REQUIRE(jobs);
-    REQUIRE(jobs->size() == kJobs);
-    for (const json& job : *jobs) ids_.push_back(client::text_of(job, "id"));
+    const auto jobs = value(api().list("/v1/jobs", "jobs"));
+    REQUIRE(jobs.size() == kJobs);
+    for (const json& job : jobs) ids_.push_back(client::text_of(job, "id"));
     const json plan = api().get("/v1/plans/" + plan_, "plan").value();
     sheet_s_ = plan["sheets"][0]["seconds"].get<double>();
   }

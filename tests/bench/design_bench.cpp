@@ -17,6 +17,7 @@
 #include "core/design/shape_fit.hpp"
 #include "core/formats/fold/fold_writer.hpp"
 #include "tests/support/timing.hpp"
+#include "tests/support/value.hpp"
 
 namespace design_bench {
 
@@ -27,12 +28,10 @@ namespace {
 
 DesignSpec spec_of(const char* radius, int units, int slices, double width_mm, const char* lattice,
                    const char* max_step = "null") {
-  const auto spec = parse_design_spec(fmt::format(
+  return value(parse_design_spec(fmt::format(
       R"({{"popcut":1,"surface":{{"type":"revolution","radius":"{}"}},"scale_mm":100,"units_per_slice":{},
           "slices":{},"widths_mm":{},"lattice":"{}","min_panel_mm":{},"max_step_over_mean":{}}})",
-      radius, units, slices, width_mm, lattice, 10.0 / units, max_step));
-  REQUIRE(spec);
-  return *spec;
+      radius, units, slices, width_mm, lattice, 10.0 / units, max_step)));
 }
 
 constexpr const char* kSphere = "sqrt(1.05-y^2)";
@@ -66,11 +65,7 @@ TEST_CASE("a lattice of 100 units x 1000 slices, and of twice the slices", "[ben
   for (const int slices : {1000, 2000}) {
     const DesignSpec spec = spec_of(kSphere, 100, slices, 80.0 / slices, "slices");
     Design made;
-    const double built = median_of(3, [&] {
-      auto result = design(spec);
-      REQUIRE(result);
-      made = std::move(*result);
-    });
+    const double built = median_of(3, [&] { made = value(design(spec)); });
     FoldOptions options;
     options.psi_rad = std::vector{std::numbers::pi / 2};
     const std::string path = std::string(P_tmpdir) + "/popcut_bench.fold";
@@ -113,9 +108,8 @@ TEST_CASE("lattices and their four figures", "[bench]") {
           spec_of(row.radius, row.units, row.slices, 100 * row.width, lattice, most);
       DesignReport r;
       const double seconds = seconds_of([&] {
-        auto result = design(spec);
-        REQUIRE(result);
-        r = std::move(result->report);
+        auto result = value(design(spec));
+        r = std::move(result.report);
       });
       fmt::print(
           "{:8} {:>8} {:10} {:10.1e} {:10.1e} {:10.1e} {:6.3f}..{:6.2f} {:8.4f} {:8} {:7.2f}{}\n",
@@ -136,11 +130,7 @@ TEST_CASE("the fit beside the design that it measures", "[bench]") {
         std::tuple{100, 1000, "slices"}}) {
     const DesignSpec spec = spec_of(kSphere, units, slices, 80.0 / slices, lattice);
     Design made;
-    const double whole = seconds_of([&] {
-      auto result = design(spec);
-      REQUIRE(result);
-      made = std::move(*result);
-    });
+    const double whole = seconds_of([&] { made = value(design(spec)); });
     std::optional<FitFigures> fit;
     const double measured = median_of(3, [&] { fit = surface_fit(made); });
     REQUIRE(fit);
@@ -161,16 +151,14 @@ TEST_CASE("how near each lattice comes to its target, and auto", "[bench]") {
        {std::pair{"sphere", "sqrt(70^2-(y-50)^2)"}, std::pair{"saddle", "sqrt(45^2+(y-50)^2)"},
         std::pair{"wave", "55+8*sin(2*pi*y/50)"}})
     for (const int units : {5, 10, 20, 40}) {
-      const auto spec = parse_design_spec(fmt::format(
+      const auto spec = value(parse_design_spec(fmt::format(
           R"j({{"popcut":1,"surface":{{"type":"revolution","radius":"{}"}},"units_per_slice":{},
                "slices":{},"widths_mm":{},"min_panel_mm":0.5,"lattice":"auto"}})j",
-          radius, units, 2 * units, 50.0 / units));
-      REQUIRE(spec);
+          radius, units, 2 * units, 50.0 / units)));
       DesignReport r;
       const double seconds = seconds_of([&] {
-        auto result = design(*spec);
-        REQUIRE(result);
-        r = std::move(result->report);
+        auto result = value(design(spec));
+        r = std::move(result.report);
       });
       fmt::print("{:8} {:>7}", name, fmt::format("{}x{}", units, 2 * units));
       const auto show = [](const LatticeTrial& t) {

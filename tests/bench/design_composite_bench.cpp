@@ -15,6 +15,7 @@
 #include "core/verify/verify.hpp"
 #include "tests/support/paths.hpp"
 #include "tests/support/timing.hpp"
+#include "tests/support/value.hpp"
 
 using namespace popcut;
 using namespace popcut::testing;
@@ -25,9 +26,7 @@ DesignSpec example(const std::string& name) {
   std::ifstream file(source_file("examples/") + name + ".json");
   std::stringstream text;
   text << file.rdbuf();
-  const auto spec = parse_design_spec(text.str());
-  REQUIRE(spec);
-  return *spec;
+  return value(parse_design_spec(text.str()));
 }
 
 std::string fold_of(const Design& made) {
@@ -41,11 +40,7 @@ std::string fold_of(const Design& made) {
 TEST_CASE("the composite of Fig. 3A", "[bench]") {
   const DesignSpec spec = example("composite");
   Design made;
-  const double designed = median_of(21, [&] {
-    auto result = design(spec);
-    REQUIRE(result);
-    made = std::move(*result);
-  });
+  const double designed = median_of(21, [&] { made = value(design(spec)); });
   std::string fold;
   const double written = median_of(21, [&] { fold = fold_of(made); });
   const double verified = median_of(5, [&] { REQUIRE(verify_fold(fold)->ok()); });
@@ -60,14 +55,10 @@ TEST_CASE("the multi-state solve of Fig. 3D", "[bench]") {
   const DesignSpec spec = example("multistate");
   DesignSpec plain = spec;
   plain.splay.reset();
-  const auto made = design(plain);
-  REQUIRE(made);
+  const auto made = value(design(plain));
   MultiState state;
-  const double solved = median_of(11, [&] {
-    auto result = solve_multi_state(made->strips, *spec.splay);
-    REQUIRE(result);
-    state = std::move(*result);
-  });
+  const double solved =
+      median_of(11, [&] { state = value(solve_multi_state(made.strips, *spec.splay)); });
   std::string reached;
   for (const double K : state.K_rad) reached += fmt::format(" {:+.4f}", K);
   const double whole = median_of(11, [&] { REQUIRE(design(spec)); });
@@ -79,17 +70,15 @@ TEST_CASE("the multi-state solve of Fig. 3D", "[bench]") {
 
 TEST_CASE("chains with curvature asked for", "[bench]") {
   for (const auto& [units, slices] : {std::pair{6, 8}, std::pair{12, 24}, std::pair{20, 60}}) {
-    const auto spec = parse_design_spec(fmt::format(
+    const auto spec = value(parse_design_spec(fmt::format(
         R"j({{"popcut":1,"surface":{{"type":"revolution","radius":"sqrt(40^2+(y-30)^2)"}},
               "units_per_slice":{},"slices":{},"widths_mm":{},
               "curvature":{{"K_area":-0.000625,"weights":{{"K":100}}}},"min_panel_mm":0.01}})j",
-        units, slices, 64.0 / slices));
-    REQUIRE(spec);
+        units, slices, 64.0 / slices)));
     CurvatureReport report;
     const double seconds = median_of(units < 20 ? 5 : 1, [&] {
-      auto made = design(*spec);
-      if (!made) FAIL(message(made.error()));
-      report = *made->report.curvature;
+      auto made = value(design(spec));
+      report = *made.report.curvature;
     });
     fmt::print(
         "curvature on {} units x {} slices: {:.3f} s (median), {} evaluations; K's miss {:.3g} "

@@ -11,6 +11,7 @@
 #include "core/model/model.hpp"
 #include "tests/support/meshes.hpp"
 #include "tests/support/timing.hpp"
+#include "tests/support/value.hpp"
 
 namespace design_slicing_bench {
 
@@ -24,11 +25,7 @@ void slice_sphere(int triangles, int slices) {
   const int rings = static_cast<int>(std::sqrt(triangles / 2.0));
   const std::string stl = testing::binary_stl(testing::sphere_mesh(100.0, rings, rings));
   TriangleMesh mesh;
-  const double read = seconds_of([&] {
-    auto result = read_mesh("sphere.stl", stl);
-    REQUIRE(result);
-    mesh = std::move(*result);
-  });
+  const double read = seconds_of([&] { mesh = value(read_mesh("sphere.stl", stl)); });
   const std::size_t count = mesh.size();
   const double planes = seconds_of([&] {
     const MeshSlicer slicer(mesh);
@@ -38,13 +35,11 @@ void slice_sphere(int triangles, int slices) {
   });
   double error = 0.0;
   const double curves = seconds_of([&] {
-    const auto surface = surface_of_triangles(std::move(mesh), FitMode::Exact, "mesh", true);
-    REQUIRE(surface);
+    const auto surface = value(surface_of_triangles(std::move(mesh), FitMode::Exact, "mesh", true));
     for (int j = 0; j < slices; ++j) {
       const double s = 95.0 * j / slices;
-      const auto cut = surface->cut(s);
-      REQUIRE(cut);
-      const CurveJet p = cut->curve.at(0.1);
+      const auto cut = value(surface.cut(s));
+      const CurveJet p = cut.curve.at(0.1);
       error = std::max(error, std::abs(std::hypot(p.x, s, p.z) - 100.0));
     }
   });

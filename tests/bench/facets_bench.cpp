@@ -25,6 +25,7 @@
 #include "tests/support/paths.hpp"
 #include "tests/support/random_numbers.hpp"
 #include "tests/support/timing.hpp"
+#include "tests/support/value.hpp"
 
 namespace facets_bench {
 
@@ -202,26 +203,23 @@ TEST_CASE("forty shapes as facets", "[bench]") {
   std::vector<double> means, seconds_of_all;
   for (const Shape& shape : forty()) {
     CAPTURE(shape.name);
-    const auto spec = parse_design_spec(spec_of(shape, 2.0).dump());
-    if (!spec) FAIL(message(spec.error()));
+    const auto spec = testing::value(parse_design_spec(spec_of(shape, 2.0).dump()));
     std::optional<Result<Design>> made;
-    const double seconds = testing::seconds_of([&] { made = design(*spec, shape.assets); });
+    const double seconds = testing::seconds_of([&] { made = design(spec, shape.assets); });
     if (!*made) FAIL(message(made->error()));
     const Design& card = **made;
     std::ostringstream fold;
     REQUIRE(write_fold(card.pattern, {}, fold));
     VerifyOptions how;
     how.degrees_of_freedom = 1;
-    const auto report = verify_fold(fold.str(), how);
-    if (!report) FAIL(message(report.error()));
-    CHECK(report->ok());
+    const auto report = testing::value(verify_fold(fold.str(), how));
+    CHECK(report.ok());
     const FacetFigures& f = *card.report.facets;
-    const auto seen = likeness_of(*spec, shape, card);
-    REQUIRE(seen);
+    const auto seen = testing::value(likeness_of(spec, shape, card));
     table += fmt::format(
         "{:<20} {:>7} {:>8.2f} {:>8.2f} {:>10.2f} {:>6.0f}% {:>7.2f} {:>7} {:>7.2f}\n", shape.name,
-        f.patches, f.depth_mean_mm, f.depth_p95_mm, seen->contour_mm, 100.0 * seen->cover,
-        f.over_least, report->degrees_of_freedom.value_or(0), seconds);
+        f.patches, f.depth_mean_mm, f.depth_p95_mm, seen.contour_mm, 100.0 * seen.cover,
+        f.over_least, report.degrees_of_freedom.value_or(0), seconds);
     means.push_back(f.depth_mean_mm);
     seconds_of_all.push_back(seconds);
     slow += seconds > 2.0 ? 1 : 0;
@@ -243,10 +241,9 @@ TEST_CASE("seconds of facets by the points of the sheet", "[bench]") {
     asked["scale_mm"] = 3.0;
     asked["facets"]["pitch_mm"] = 4.0;
     asked["facets"]["length_mm"] = 270.0;
-    const auto spec = parse_design_spec(asked.dump());
-    if (!spec) FAIL(message(spec.error()));
+    const auto spec = testing::value(parse_design_spec(asked.dump()));
     std::optional<Result<Design>> made;
-    const double seconds = testing::seconds_of([&] { made = design(*spec, shape.assets); });
+    const double seconds = testing::seconds_of([&] { made = design(spec, shape.assets); });
     if (!*made) FAIL(message(made->error()));
     const Design& card = **made;
     const double points =

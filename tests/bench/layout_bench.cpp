@@ -10,6 +10,7 @@
 #include "core/drawing/clean.hpp"
 #include "core/layout/layout.hpp"
 #include "tests/support/random_pattern.hpp"
+#include "tests/support/value.hpp"
 
 namespace layout_bench {
 
@@ -38,11 +39,8 @@ void lay(const char* what, const LineWork& drawing, std::size_t faces, LayoutOpt
   std::size_t segments = 0;
   for (const DrawnLine& line : drawing.lines) segments += line.count - 1;
   Layout layout;
-  const auto [seconds, wall] = seconds_of([&] {
-    auto laid = lay_out(drawing, options);
-    if (!laid) FAIL(message(laid.error()));
-    layout = std::move(*laid);
-  });
+  const auto [seconds, wall] =
+      seconds_of([&] { layout = testing::value(lay_out(drawing, options)); });
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
   fmt::print(

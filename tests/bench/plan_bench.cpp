@@ -18,6 +18,7 @@
 #include "tests/support/corpus.hpp"
 #include "tests/support/paths.hpp"
 #include "tests/support/process.hpp"
+#include "tests/support/value.hpp"
 
 namespace plan_bench {
 
@@ -77,27 +78,24 @@ void write_rings(const std::string& file, int n, int corners) {
 void plan_text(const char* name, const std::string& text) {
   std::printf("%s\n", name);
   Stages stages;
-  const auto work = linework_from_svg(text, SvgProfile::Plain);
-  REQUIRE(work);
+  const auto work = testing::value(linework_from_svg(text, SvgProfile::Plain));
   stages.done("read");
-  const LineWork cleaned = clean(*work);
+  const LineWork cleaned = clean(work);
   stages.done("clean");
   const Machine machine = *ideal_plotter(305, 305);
   const Material paper = *find_material("paper-220");
-  const auto planned = plan(*work, machine, paper, {});
-  REQUIRE(planned);
+  const auto planned = testing::value(plan(work, machine, paper, {}));
   stages.done("plan (all)");
-  const PlannedSheet& sheet = planned->sheets[0];
-  const auto program = encode(sheet.sent_path(), machine, paper);
-  REQUIRE(program);
+  const PlannedSheet& sheet = planned.sheets[0];
+  const auto program = testing::value(encode(sheet.sent_path(), machine, paper));
   stages.done("encode");
   CHECK_FALSE(sheet_svg(sheet, name).empty());
   stages.done("sheet.svg");
   CHECK_FALSE(plan_svg(sheet, name).empty());
   stages.done("plan.svg");
-  CHECK_FALSE(plan_json(*planned).empty());
+  CHECK_FALSE(plan_json(planned).empty());
   stages.done("plan.json");
-  std::printf("  %zu lines, %zu strokes, travel %.0f mm\n", work->lines.size(),
+  std::printf("  %zu lines, %zu strokes, travel %.0f mm\n", work.lines.size(),
               sheet.path.strokes.size(), sheet.travel_mm);
 }
 

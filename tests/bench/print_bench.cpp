@@ -15,6 +15,7 @@
 #include "core/plan/plan.hpp"
 #include "daemon/pictures/artwork_pages.hpp"
 #include "tests/support/painted_shell.hpp"
+#include "tests/support/value.hpp"
 
 namespace print_bench {
 
@@ -45,46 +46,40 @@ Plan planned(const Pattern& pattern) {
   options.mat = "12x12";
   options.marks = true;
   options.place.at = PagePoint{16, 16};
-  auto made = plan(linework_from_pattern(pattern), *machine, *material, options);
-  if (!made) FAIL(message(made.error()));
+  auto made = testing::value(plan(linework_from_pattern(pattern), *machine, *material, options));
   CAPTURE(pattern.width_mm, pattern.wall_mm + pattern.ground_mm);
-  REQUIRE(made->sheets.size() == 1);
-  return std::move(*made);
+  REQUIRE(made.sheets.size() == 1);
+  return made;
 }
 
 void report(const char* style, const std::string& spec_text) {
   PaintedShell shell = testing::painted_shells()[1];
   shell.along = 120, shell.around = 180;  // 43,000 triangles
   const std::string obj = shell.obj();
-  const auto spec = parse_design_spec(spec_text);
-  REQUIRE(spec);
+  const auto spec = testing::value(parse_design_spec(spec_text));
   Watch watch;
-  const auto made = design_assembly(*spec, {{"shell.obj", obj}});
-  if (!made) FAIL(message(made.error()));
-  const Pattern* const part = &made->parts.front().pattern;
+  const auto made = testing::value(design_assembly(spec, {{"shell.obj", obj}}));
+  const Pattern* const part = &made.parts.front().pattern;
   const double design_s = watch.lap_s();
   const Plan plan = planned(*part);
   const double plan_s = watch.lap_s();
-  auto mesh = read_colour_mesh("shell.obj", obj, shell.files());
-  REQUIRE(mesh);
-  const ColourMesh model = model_on_sheet(std::move(*mesh), spec->placement, made->parts.front());
+  auto mesh = testing::value(read_colour_mesh("shell.obj", obj, shell.files()));
+  const ColourMesh model = model_on_sheet(std::move(mesh), spec.placement, made.parts.front());
   const double read_s = watch.lap_s();
   for (const PrintMode mode : {PrintMode::View, PrintMode::Surface}) {
     (void)watch.lap_s();
     ArtworkOptions how;
     how.mode = mode;
-    const auto artwork = design_artwork({&part, 1}, {&model, 1}, nullptr, how);
-    REQUIRE(artwork);
+    const auto artwork = testing::value(design_artwork({&part, 1}, {&model, 1}, nullptr, how));
     const double artwork_s = watch.lap_s();
-    const auto pdf = artwork_sheet_pdf(*artwork, "", plan, 0, {});
-    REQUIRE(pdf);
+    const auto pdf = testing::value(artwork_sheet_pdf(artwork, "", plan, 0, {}));
     const double page_s = watch.lap_s();
     WARN(
         fmt::format("{:<7} {:<7} {:>6} faces, {:>4.1f} Mpx: design {:.2f} s, plan {:.2f} s, model "
                     "{:.2f} s, artwork {:.2f} s, page {:.2f} s, {:.1f} MB: {:.2f} s a sheet",
                     style, mode == PrintMode::View ? "view" : "surface", part->faces(),
-                    1e-6 * static_cast<double>(artwork->frame.pixels()), design_s, plan_s, read_s,
-                    artwork_s, page_s, 1e-6 * static_cast<double>(pdf->size()),
+                    1e-6 * static_cast<double>(artwork.frame.pixels()), design_s, plan_s, read_s,
+                    artwork_s, page_s, 1e-6 * static_cast<double>(pdf.size()),
                     design_s + plan_s + read_s + artwork_s + page_s));
   }
 }

@@ -13,6 +13,7 @@
 #include "device/sim/sim_transport.hpp"
 #include "protocol/decode.hpp"
 #include "protocol/encode.hpp"
+#include "tests/support/value.hpp"
 
 namespace stream_bench {
 
@@ -73,20 +74,18 @@ TEST_CASE("a million segments are written and streamed", "[bench]") {
     Toolpath path = waves(kSegments, 1.0, paper);
     for (Stroke& stroke : path.strokes) stroke.speed_mm_s *= factor;
     auto start = std::chrono::steady_clock::now();
-    const auto program = encode(path, machine, paper);
-    REQUIRE(program);
+    const auto program = testing::value(encode(path, machine, paper));
     const double encode_s = since(start);
-    const double mb = static_cast<double>(program->bytes.size()) / 1e6;
+    const double mb = static_cast<double>(program.bytes.size()) / 1e6;
     start = std::chrono::steady_clock::now();
-    REQUIRE(decode(Dialect::Gpgl, program->view()));
+    REQUIRE(decode(Dialect::Gpgl, program.view()));
     const double decode_s = since(start);
     std::printf("%.0f times the speed of a Cameo 3: %zu segments, %.1f MB\n", factor, kSegments,
                 mb);
     std::printf("  encode %.2f s, %.1f MB/s; decode %.2f s, %.1f MB/s\n", encode_s, mb / encode_s,
                 decode_s, mb / decode_s);
-    auto sim = SimCutter::make(machine);
-    REQUIRE(sim);
-    SimTransport cable(std::move(*sim));
+    auto sim = testing::value(SimCutter::make(machine));
+    SimTransport cable(std::move(sim));
     SessionOptions options;
     double half_mb = 0, most_mb = 0;
     options.progress = [&](const SessionProgress& p) {
@@ -96,7 +95,7 @@ TEST_CASE("a million segments are written and streamed", "[bench]") {
       most_mb = std::max(most_mb, now_mb);
     };
     start = std::chrono::steady_clock::now();
-    const SessionEnd end = run_session(cable, machine, *program, options);
+    const SessionEnd end = run_session(cable, machine, program, options);
     const double stream_s = since(start);
     INFO((end.error ? message(*end.error) : std::string()));
     REQUIRE_FALSE(end.error);
@@ -114,27 +113,24 @@ TEST_CASE("a cutter slower or faster than its model never runs dry", "[bench]") 
   const Machine cameo = *find_machine("cameo3");
   const Material paper = *find_material("paper-220");
   const Toolpath path = waves(40'000, 1.0, paper);
-  const auto program = encode(path, cameo, paper);
-  REQUIRE(program);
+  const auto program = testing::value(encode(path, cameo, paper));
   std::printf("%zu strokes of 200 mm to a Cameo 3 that is not as its row of the table says\n",
               path.strokes.size());
   std::printf("  %5s %10s %12s %14s\n", "pace", "takes, s", "starved, s", "longer than alone");
   for (const double pace : {0.5, 0.7, 1.0, 1.4, 2.0}) {
     const Machine real = times_as_fast(cameo, pace);
-    auto sim = SimCutter::make(real);
-    REQUIRE(sim);
-    SimTransport cable(std::move(*sim));
-    const SessionEnd end = run_session(cable, cameo, *program);
+    auto sim = testing::value(SimCutter::make(real));
+    SimTransport cable(std::move(sim));
+    const SessionEnd end = run_session(cable, cameo, program);
     REQUIRE_FALSE(end.error);
     const Trace& trace = cable.cutter().trace();
     SimOptions endless;
     endless.unlimited = true;
-    auto whole = SimCutter::make(real, endless);
-    REQUIRE(whole);
-    whole->accept(program->view());
-    whole->run_dry();
+    auto whole = testing::value(SimCutter::make(real, endless));
+    whole.accept(program.view());
+    whole.run_dry();
     std::printf("  %5.1f %10.0f %12.3f %12.2f %%\n", pace, end.seconds, trace.starved_s,
-                100 * (end.seconds / whole->trace().seconds - 1));
+                100 * (end.seconds / whole.trace().seconds - 1));
     CHECK(trace.strokes.size() == path.strokes.size());
     CHECK(trace.starved_s == 0.0);
   }

@@ -15,6 +15,7 @@
 #include "core/plan/order/order.hpp"
 #include "tests/support/corpus.hpp"
 #include "tests/support/order_checks.hpp"
+#include "tests/support/value.hpp"
 
 namespace toolpath_bench {
 
@@ -47,11 +48,10 @@ bool made_corpus() {
 
 // All strokes of a file as cuts, as they are drawn.
 LineWork strokes_of(const std::string& name) {
-  auto work = linework_from_svg(testing::text_of(testing::corpus_folder() / (name + ".svg")),
-                                SvgProfile::Plain);
-  REQUIRE(work);
-  for (DrawnLine& line : work->lines) line.operation = Operation::Cut;
-  return std::move(*work);
+  auto work = testing::value(linework_from_svg(
+      testing::text_of(testing::corpus_folder() / (name + ".svg")), SvgProfile::Plain));
+  for (DrawnLine& line : work.lines) line.operation = Operation::Cut;
+  return work;
 }
 
 double seconds_now() {

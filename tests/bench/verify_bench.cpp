@@ -9,6 +9,7 @@
 #include "core/verify/motion/rigid.hpp"
 #include "core/verify/verify.hpp"
 #include "tests/support/fold_draft.hpp"
+#include "tests/support/value.hpp"
 
 namespace verify_bench {
 
@@ -44,13 +45,12 @@ void report_opening_time(int levels, int slices, bool bent) {
   FoldDraft draft = draft_of(card);
   draft.poses.clear();
   draft.key_angle_deg.clear();
-  auto file = verify::read_fold_model(draft.text());
-  REQUIRE(file);
+  auto file = value(verify::read_fold_model(draft.text()));
   VerifyCheck check;
-  const verify::Sheet sheet = make_sheet(*file, check);
+  const verify::Sheet sheet = make_sheet(file, check);
   const double psi[] = {2.6, 2.1, 1.5707963267948966, 1.1};
   const auto start = std::chrono::steady_clock::now();
-  const verify::Trajectory opening = open_sheet(*file, sheet, psi, 1e-9);
+  const verify::Trajectory opening = open_sheet(file, sheet, psi, 1e-9);
   std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
   WARN(fmt::format("{} x {}: {} panels opened in {:.3f} s, {} steps, {} iterations, gap {:.1e} mm",
                    levels, slices, sheet.panels, taken.count(), opening.steps, opening.iterations,
@@ -58,10 +58,10 @@ void report_opening_time(int levels, int slices, bool bent) {
   CHECK(opening.stopped.empty());
   if (!bent) return;
   // One Gauss-Newton correction from a bad guess: what a step costs where nothing is exact.
-  const verify::RigidSheet rigid = rigid_sheet(*file, sheet, 0);
+  const verify::RigidSheet rigid = rigid_sheet(file, sheet, 0);
   auto angles = std::vector<double>(rigid.lines.size());
   for (std::size_t k = 0; k < angles.size(); ++k) {
-    const auto letter = file->assignment[sheet.hinges[rigid.lines[k].hinge].edge];
+    const auto letter = file.assignment[sheet.hinges[rigid.lines[k].hinge].edge];
     angles[k] = (letter == verify::Assignment::Valley ? 0.5 : -0.5) * (1.0 + 0.02 * (k % 7));
   }
   auto state = state_from_tree(rigid, angles);

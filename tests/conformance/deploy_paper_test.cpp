@@ -18,6 +18,7 @@
 #include "core/deploy/sheet_mesh.hpp"
 #include "core/deploy/stl.hpp"
 #include "tests/support/paths.hpp"
+#include "tests/support/value.hpp"
 
 namespace deploy_paper_test {
 
@@ -54,21 +55,20 @@ TEST_CASE("the meshes published with the paper are reproduced vertex for vertex"
     WARN("skipped: the paper's table is not here");
     return;
   }
-  const auto panels = read_segments_csv(text_of(kPublished + ".csv"), SegmentConvention::Paper);
-  REQUIRE(panels);
-  CHECK(panels->size() == 116);
-  const Pattern pattern = pattern_from_segments(*panels, "inverted sphere");
+  const auto panels =
+      testing::value(read_segments_csv(text_of(kPublished + ".csv"), SegmentConvention::Paper));
+  CHECK(panels.size() == 116);
+  const Pattern pattern = pattern_from_segments(panels, "inverted sphere");
   const SheetMesh mesh = rectangle_mesh(pattern);
   const auto angles = opening_angles(0, std::numbers::pi / 2, 60);
-  const auto table = pose_table(pattern, *angles);
-  REQUIRE(table);
+  const auto table = testing::value(pose_table(pattern, *angles));
   for (const std::size_t frame : {1U, 20U, 40U, 60U}) {
     CAPTURE(frame);
     const auto due =
         corners_of_text_stl(text_of(fmt::format("{}_psi_{:03}.stl", kPublished, frame)));
     REQUIRE(due.size() == 3 * 232);
     std::ostringstream out;
-    write_stl(mesh, *table, frame - 1, MeshAxes::Paper, "", out);
+    write_stl(mesh, table, frame - 1, MeshAxes::Paper, "", out);
     const std::string bytes = out.str();
     double off = 0;
     for (std::size_t i = 0; i < due.size(); ++i) {

@@ -6,6 +6,7 @@
 #include "core/formats/fold/fold_reader.hpp"
 #include "core/formats/svg/svg_reader.hpp"
 #include "tests/support/linework_checks.hpp"
+#include "tests/support/value.hpp"
 
 namespace fold_samples_test {
 
@@ -55,9 +56,7 @@ PlanarGraph frame_graph(const FoldFrame& frame) {
     const auto &a = frame.vertices[frame.edges[e][0]], &b = frame.vertices[frame.edges[e][1]];
     lines.push_back({{{a[0], a[1]}, {b[0], b[1]}}, frame.assignments[e]});
   }
-  const auto graph = planar_graph(lines, 1e-6);
-  REQUIRE(graph);
-  return *graph;
+  return value(planar_graph(lines, 1e-6));
 }
 
 /// A graph as a FOLD file, (u, v) = (page y, page x).
@@ -129,32 +128,28 @@ TEST_CASE("splitting the cuts changes neither faces nor pieces", "[conformance][
 
 TEST_CASE("FOLD samples have the faces that their lines bound", "[conformance][formats][fold]") {
   if (absent("fold/re_panels-6x2-90deg.fold")) return;
-  const auto panels = read_fold(sample("fold/re_panels-6x2-90deg.fold"));
-  REQUIRE(panels);
-  REQUIRE(panels->frames.size() == 2);
-  const PlanarGraph graph = frame_graph(panels->frames[0]);
+  const auto panels = value(read_fold(sample("fold/re_panels-6x2-90deg.fold")));
+  REQUIRE(panels.frames.size() == 2);
+  const PlanarGraph graph = frame_graph(panels.frames[0]);
   CHECK(graph.vertices.size() == 21);
   CHECK(graph.edges.size() == 32);
   CHECK(graph.faces.size() == 12);
-  CHECK(panels->frames[0].fold_angles_deg[11] == -90);
-  CHECK(panels->frames[1].folded_form);
-  CHECK(panels->frames[1].edges.size() == 32);  // inherited
-  CHECK(flat_frame(*panels) == panels->frames.data());
+  CHECK(panels.frames[0].fold_angles_deg[11] == -90);
+  CHECK(panels.frames[1].folded_form);
+  CHECK(panels.frames[1].edges.size() == 32);  // inherited
+  CHECK(flat_frame(panels) == panels.frames.data());
 
-  const auto windmill = read_fold(sample("fold/re_windmill.fold"));
-  REQUIRE(windmill);
-  CHECK(frame_graph(windmill->frames[0]).faces.size() == windmill->frames[0].faces.size());
-  CHECK(windmill->frames[1].faces.size() == windmill->frames[0].faces.size());
+  const auto windmill = value(read_fold(sample("fold/re_windmill.fold")));
+  CHECK(frame_graph(windmill.frames[0]).faces.size() == windmill.frames[0].faces.size());
+  CHECK(windmill.frames[1].faces.size() == windmill.frames[0].faces.size());
 
-  const auto no_faces = read_fold(sample("fold/re_no-faces.fold"));
-  REQUIRE(no_faces);
-  CHECK(no_faces->frames[0].faces.empty());
-  CHECK(frame_graph(no_faces->frames[0]).faces.size() == 3);  // of the four, one edge is missing
-  CHECK(no_faces->frames[0].assignments == std::vector<char>(7, 'U'));
+  const auto no_faces = value(read_fold(sample("fold/re_no-faces.fold")));
+  CHECK(no_faces.frames[0].faces.empty());
+  CHECK(frame_graph(no_faces.frames[0]).faces.size() == 3);  // of the four, one edge is missing
+  CHECK(no_faces.frames[0].assignments == std::vector<char>(7, 'U'));
 
-  const auto diagonal = read_fold(sample("fold/fold_diagonal-cp.fold"));
-  REQUIRE(diagonal);
-  CHECK(frame_graph(diagonal->frames[0]).faces.size() == 2);
+  const auto diagonal = value(read_fold(sample("fold/fold_diagonal-cp.fold")));
+  CHECK(frame_graph(diagonal.frames[0]).faces.size() == 2);
   CHECK(read_fold(sample("fold/fold_box.fold")));
   const auto simple = linework_from_fold(sample("fold/fold_simple.fold"));
   REQUIRE_FALSE(simple);  // a folded form in space, and no crease pattern

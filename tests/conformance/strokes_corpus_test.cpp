@@ -8,6 +8,7 @@
 #include "tests/support/corpus.hpp"
 #include "tests/support/euler_count.hpp"
 #include "tests/support/linework_checks.hpp"
+#include "tests/support/value.hpp"
 
 namespace strokes_corpus_test {
 
@@ -19,10 +20,9 @@ TEST_CASE("lifts equal the Euler minimum on every file of the corpus", "[core][p
   if (files.empty()) WARN("skipped: no generator of drawings, or no Python with numpy");
   for (const auto& file : files) {
     CAPTURE(file.filename().string());
-    const auto work = linework_from_svg(text_of(file), SvgProfile::Plain);
-    REQUIRE(work);
-    const LineWork cleaned = clean(*work);
-    EulerCount count(*work, kSnapTolerance);
+    const auto work = value(linework_from_svg(text_of(file), SvgProfile::Plain));
+    const LineWork cleaned = clean(work);
+    EulerCount count(work, kSnapTolerance);
     double drawn = count.edges_mm(), kept = 0.0;
     for (const DrawnLine& line : cleaned.lines) kept += length(cleaned.points_of(line));
     CAPTURE(drawn, kept);

@@ -13,6 +13,7 @@
 #include "tests/support/euler_count.hpp"
 #include "tests/support/linework_checks.hpp"
 #include "tests/support/random_numbers.hpp"
+#include "tests/support/value.hpp"
 
 namespace clean_property_test {
 
@@ -188,9 +189,8 @@ TEST_CASE("planned strokes are the cleaned lines in any order and direction",
     PlanOptions options;
     options.place.at = PagePoint{20, 20};
     options.keep_lines = true;
-    const auto done = plan(work, machine, paper, options);
-    REQUIRE(done);
-    const PlannedSheet& sheet = done->sheets[0];
+    const auto done = value(plan(work, machine, paper, options));
+    const PlannedSheet& sheet = done.sheets[0];
     REQUIRE(sheet.lines);
     REQUIRE(sheet.path.strokes.size() == sheet.lines->lines.size());
     std::vector<bool> seen(sheet.lines->lines.size(), false);

@@ -17,6 +17,7 @@
 #include "core/design/design.hpp"
 #include "core/formats/fold/fold_writer.hpp"
 #include "tests/support/glb_scene.hpp"
+#include "tests/support/value.hpp"
 
 namespace deploy_property_test {
 
@@ -50,9 +51,7 @@ std::optional<Design> random_design(std::mt19937& random) {
       "widths_mm": {:.2f}{}}})",
       surface, splayed ? whole(2, 4) : whole(1, 7), whole(2, 8), number(11, 16), rest);
   INFO(text);
-  const auto spec = parse_design_spec(text);
-  REQUIRE(spec);
-  auto made = design(*spec);
+  auto made = design(testing::value(parse_design_spec(text)));
   if (!made) return std::nullopt;  // not every random target has a pattern
   return std::move(*made);
 }
@@ -81,27 +80,26 @@ TEST_CASE("every face stays congruent and on its hinge in all poses", "[core][de
   for_designs(24, [](const Design& made, std::mt19937&) {
     const Pattern& pattern = made.pattern;
     const auto angles = opening_angles(pi, 0, 13);
-    const auto table = pose_table(pattern, *angles);
-    REQUIRE(table);
+    const auto table = testing::value(pose_table(pattern, *angles));
     double off = 0, apart = 0;
-    for (std::size_t k = 0; k < table->poses(); ++k) {
+    for (std::size_t k = 0; k < table.poses(); ++k) {
       const auto due = posed_vertices(pattern, (*angles)[k]);
       for (std::size_t f = 0; f < pattern.faces(); ++f) {
         for (const std::uint32_t i : pattern.face(f)) {
           const Vec3 flat = flat_place(pattern, pattern.vertices[i]);
-          off = std::max(off, norm(table->at(k, f)(flat) - vec3(due[i])));
+          off = std::max(off, norm(table.at(k, f)(flat) - vec3(due[i])));
         }
       }
-      for (std::size_t b = 0; b < table->bodies(); ++b) {
-        if (table->parent[b] < 0) continue;
-        const auto parent = static_cast<std::size_t>(table->parent[b]);
+      for (std::size_t b = 0; b < table.bodies(); ++b) {
+        if (table.parent[b] < 0) continue;
+        const auto parent = static_cast<std::size_t>(table.parent[b]);
         apart = std::max(
-            apart, norm(table->at(k, b)(table->pivot[b]) - table->at(k, parent)(table->pivot[b])));
+            apart, norm(table.at(k, b)(table.pivot[b]) - table.at(k, parent)(table.pivot[b])));
       }
     }
     CHECK(off < 1e-9);
     CHECK(apart < 1e-9);
-    CHECK(table->order.size() == table->bodies());
+    CHECK(table.order.size() == table.bodies());
   });
 }
 
@@ -110,13 +108,10 @@ TEST_CASE("the nodes of a GLB composed along the tree match the pattern", "[core
     const Pattern& pattern = made.pattern;
     const double from = pi, to = std::uniform_real_distribution(0.0, 2.0)(random);
     const auto angles = opening_angles(from, to, 61);
-    const auto table = pose_table(pattern, *angles);
-    REQUIRE(table);
-    const auto bytes = glb(pattern, *table, {});
-    REQUIRE(bytes);
-    const GlbScene scene(*bytes);
-    const auto faces = triangulate_faces(pattern);
-    REQUIRE(faces);
+    const auto table = testing::value(pose_table(pattern, *angles));
+    const auto bytes = testing::value(glb(pattern, table, {}));
+    const GlbScene scene(bytes);
+    const auto faces = testing::value(triangulate_faces(pattern));
     // At keys all is exact; between them panels are, too, while V-folds follow within their steps.
     const bool exact = pattern.v_folds.empty();
     double off = 0;
@@ -125,7 +120,7 @@ TEST_CASE("the nodes of a GLB composed along the tree match the pattern", "[core
       for (std::size_t f = 0; f < pattern.faces(); ++f) {
         const auto places = scene.places(f, part * scene.seconds());
         for (std::size_t c = 0; c < places.size(); ++c) {
-          const Vec3& corner = faces->corner[faces->first_corner[f] + c];
+          const Vec3& corner = faces.corner[faces.first_corner[f] + c];
           double nearest = 1e9;
           for (const std::uint32_t i : pattern.face(f)) {
             if (norm(flat_place(pattern, pattern.vertices[i]) - corner) > 1e-9) continue;
@@ -158,20 +153,18 @@ TEST_CASE("meshes keep the sheet's area and solids are closed", "[core][deploy][
         area += cross(mesh->at[b] - mesh->at[a], mesh->at[c] - mesh->at[a])[2] / 2;
       CHECK(area == Approx(sheet));
     }
-    const auto faces = triangulate_faces(pattern);
-    REQUIRE(faces);
+    const auto faces = testing::value(triangulate_faces(pattern));
     double thinnest = 1e9;
-    for (const auto& [a, b, c] : faces->triangle)
-      thinnest = std::min(thinnest, cross(faces->corner[b] - faces->corner[a],
-                                          faces->corner[c] - faces->corner[a])[2]);
+    for (const auto& [a, b, c] : faces.triangle)
+      thinnest = std::min(
+          thinnest, cross(faces.corner[b] - faces.corner[a], faces.corner[c] - faces.corner[a])[2]);
     CHECK(thinnest > 1e-6);
     if (pattern.v_folds.empty()) {
       CHECK(surface_mesh(pattern, made.strips)->triangles.size() == 2 * made.report.panels);
     }
-    const auto solid = solid_mesh(pattern, 0.3);
-    REQUIRE(solid);
+    const auto solid = testing::value(solid_mesh(pattern, 0.3));
     std::map<std::pair<std::uint32_t, std::uint32_t>, int> sides;
-    for (const auto& [a, b, c] : solid->triangles)
+    for (const auto& [a, b, c] : solid.triangles)
       for (const auto& side : {std::pair(a, b), std::pair(b, c), std::pair(c, a)}) ++sides[side];
     const bool closed = std::all_of(sides.begin(), sides.end(), [&](const auto& entry) {
       return entry.second == 1 && sides.count({entry.first.second, entry.first.first}) == 1;
@@ -186,14 +179,11 @@ TEST_CASE("patterns come back from their FOLD files with their V-folds", "[core]
     std::ostringstream text;
     const double psi = std::uniform_real_distribution(0.2, 2.9)(random);
     REQUIRE(write_fold(pattern, {.psi_rad = std::vector{pi, psi}}, text));
-    const auto file = read_fold(text.str());
-    REQUIRE(file);
-    const auto back = pattern_from_fold(*file);
-    REQUIRE(back);
-    CHECK(back->v_folds.size() == pattern.v_folds.size());
+    const auto back = testing::value(pattern_from_fold(testing::value(read_fold(text.str()))));
+    CHECK(back.v_folds.size() == pattern.v_folds.size());
     double off = 0;
     for (const double angle : {3.0, 1.7, 0.4}) {
-      const auto a = posed_vertices(pattern, angle), b = posed_vertices(*back, angle);
+      const auto a = posed_vertices(pattern, angle), b = posed_vertices(back, angle);
       for (std::size_t i = 0; i < a.size(); ++i) off = std::max(off, norm(vec3(a[i]) - vec3(b[i])));
     }
     CHECK(off < 1e-9);

@@ -18,6 +18,7 @@
 #include "core/fit/fit.hpp"
 #include "tests/support/meshes.hpp"
 #include "tests/support/rounds.hpp"
+#include "tests/support/value.hpp"
 
 namespace fit_property_test {
 
@@ -397,12 +398,10 @@ TEST_CASE("the fit of targets of all kinds agrees with an independent measure", 
   for (std::size_t k = 0; k < all.size(); k += static_cast<std::size_t>(testing::step_of(1, 3))) {
     const Case& one = all[k];
     DYNAMIC_SECTION(one.name) {
-      const auto made = designed(one.spec, one.assets);
-      if (!made) FAIL(message(made.error()));
-      const auto fit = surface_fit(*made);
-      REQUIRE(fit);
-      const Standing structure = standing(*made);
-      check_fit(*fit, *made, one.charts(structure.from_mm, structure.to_mm));
+      const auto made = value(designed(one.spec, one.assets));
+      const auto fit = value(surface_fit(made));
+      const Standing structure = standing(made);
+      check_fit(fit, made, one.charts(structure.from_mm, structure.to_mm));
     }
   }
 }
@@ -411,12 +410,11 @@ TEST_CASE("the fit of a ball that is half out of reach agrees with an independen
           "[core][fit]") {
   constexpr double kRadius = 30.0, kX = 28.0, kY = 20.0;
   const TriangleMesh ball = icosphere(kRadius, 3);
-  const auto made = designed(
+  const auto made = value(designed(
       R"("surface":{"type":"mesh","file":"ball.stl"},"fit":"nearest","translate_mm":[28,20,28],"units_per_slice":5,"slices":7,"widths_mm":6)",
-      {{"ball.stl", binary_stl(ball)}});
-  if (!made) FAIL(message(made.error()));
-  const FitFigures fit = surface_fit(*made).value();
-  const Standing structure = standing(*made);
+      {{"ball.stl", binary_stl(ball)}}));
+  const FitFigures fit = surface_fit(made).value();
+  const Standing structure = standing(made);
   std::vector<Chart> charts;  // a triangle each, drawn together at one corner
   for (std::size_t t = 0; t < ball.size(); ++t) {
     std::array<Vec3, 3> c;
@@ -427,7 +425,7 @@ TEST_CASE("the fit of a ball that is half out of reach agrees with an independen
         {[=](double a, double b) { return Vec3(c[0] + a * (c[1] - c[0]) + a * b * (c[2] - c[1])); },
          3, 3});
   }
-  check_fit(fit, *made, charts);
+  check_fit(fit, made, charts);
 
   // What is out of reach, by the circles that are the ball's sections.
   double outside = 0.0, beyond = 0.0, overhang = 0.0, all = 0.0;

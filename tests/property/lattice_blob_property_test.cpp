@@ -14,6 +14,7 @@
 #include "core/formats/lattice/lattice_blob.hpp"
 #include "tests/support/lattice_reader.hpp"
 #include "tests/support/random_numbers.hpp"
+#include "tests/support/value.hpp"
 
 namespace lattice_blob_property_test {
 
@@ -44,9 +45,7 @@ std::optional<Design> random_design(std::mt19937& random) {
       surface, splayed ? whole(random, 2, 4) : whole(random, 1, 7), whole(random, 2, 8),
       uniform(random, 11, 16), kLattices.at(static_cast<std::size_t>(whole(random, 0, 3))), rest);
   INFO(text);
-  const auto spec = parse_design_spec(text);
-  REQUIRE(spec);
-  auto made = design(*spec);
+  auto made = design(testing::value(parse_design_spec(text)));
   if (!made) return std::nullopt;  // not every random target has a pattern
   return std::move(*made);
 }
@@ -205,9 +204,8 @@ TEST_CASE("a lattice blob says where every vertex, fold and cut of a design is",
     splayed += found->pattern.v_folds.empty() ? 0 : 1;
     loose += found->pattern.card ? 0 : 1;
     with_merged += found->report.merged.empty() ? 0 : 1;
-    const auto bytes = lattice_blob(*found, {.quality = LatticeQuality::Draft});
-    REQUIRE(bytes);
-    const LatticeReader blob(*bytes);
+    const auto bytes = testing::value(lattice_blob(*found, {.quality = LatticeQuality::Draft}));
+    const LatticeReader blob(bytes);
     CHECK(blob.head["quality"] == "draft");
     CHECK(blob.head["motion"] == "pose");
     CHECK(blob.head["faces"] == found->pattern.faces());

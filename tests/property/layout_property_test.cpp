@@ -14,6 +14,7 @@
 #include "core/verify/verify.hpp"
 #include "tests/support/random_pattern.hpp"
 #include "tests/support/rounds.hpp"
+#include "tests/support/value.hpp"
 
 namespace layout_property_test {
 
@@ -268,9 +269,8 @@ TEST_CASE("Pieces that are joined over their tabs have the freedoms of the whole
     const auto freedoms = [](const LineWork& work) {
       VerifyOptions verify;
       verify.page = true;
-      const auto report = verify_fold(fold_from_linework(work), verify);
-      if (!report) FAIL(message(report.error()));
-      return std::pair(report->degrees_of_freedom, report->pieces);
+      const auto report = value(verify_fold(fold_from_linework(work), verify));
+      return std::pair(report.degrees_of_freedom, report.pieces);
     };
     const auto whole = freedoms(drawing);
     CHECK(freedoms(as_glued(drawing, *layout, layout->tabs.size())) == whole);

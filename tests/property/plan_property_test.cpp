@@ -15,6 +15,7 @@
 #include "tests/support/linework_checks.hpp"
 #include "tests/support/random_numbers.hpp"
 #include "tests/support/rounds.hpp"
+#include "tests/support/value.hpp"
 
 namespace plan_property_test {
 
@@ -78,9 +79,8 @@ TEST_CASE("a pattern is never mirrored on the page or the sheet or when turned",
 
   const Material paper = *find_material("paper-220");
   const auto check = [&](const Machine& machine, bool turned) {
-    const auto done = plan(page, machine, paper, {});
-    REQUIRE(done);
-    const PlannedSheet& sheet = done->sheets[0];
+    const auto done = value(plan(page, machine, paper, {}));
+    const PlannedSheet& sheet = done.sheets[0];
     CHECK((sheet.transform.xy != 0.0) == turned);
     CHECK(sheet.transform.xx * sheet.transform.yy - sheet.transform.xy * sheet.transform.yx ==
           Approx(1.0));
@@ -113,13 +113,12 @@ TEST_CASE("a pattern is never mirrored on the page or the sheet or when turned",
 
 TEST_CASE("an L-shape has the same place on the page from FOLD and pattern and SVG",
           "[core][plan][mirror]") {
-  const auto fold = linework_from_fold(
+  const auto fold = value(linework_from_fold(
       R"x({"frame_unit":"mm","vertices_coords":[[0,0],[40,0],[60,0],[60,20],[40,20],
     [20,20],[20,40],[0,40]],"edges_vertices":[[0,1],[1,2],[2,3],[3,4],[4,5],[5,6],[6,7],[7,0],[1,4]],
-    "edges_assignment":["B","B","B","B","B","B","B","B","M"]})x");
-  REQUIRE(fold);
+    "edges_assignment":["B","B","B","B","B","B","B","B","M"]})x"));
   const LineWork own = clean(linework_from_pattern(letter()));
-  const LineWork other = clean(*fold);
+  const LineWork other = clean(fold);
   REQUIRE(own.lines.size() == 2);
   REQUIRE(other.lines.size() == 2);
   for (const LineWork* work : {&own, &other})
@@ -297,9 +296,8 @@ TEST_CASE("planned strokes lie inside the area and the totals add up", "[core][p
     PlanOptions options;
     options.place.at = PagePoint{uniform(random, -50, 150), uniform(random, -50, 150)};
     options.place.clip = true;
-    const auto done = plan(work, machine, paper, options);
-    REQUIRE(done);
-    const PlannedSheet& sheet = done->sheets[0];
+    const auto done = value(plan(work, machine, paper, options));
+    const PlannedSheet& sheet = done.sheets[0];
     for (const PagePoint& p : sheet.path.points) {
       CHECK(p.x >= -1e-9);
       CHECK(p.y >= -1e-9);

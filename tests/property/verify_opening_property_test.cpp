@@ -18,6 +18,7 @@
 #include "core/verify/motion/motion.hpp"
 #include "core/verify/motion/opening.hpp"
 #include "tests/support/paths.hpp"
+#include "tests/support/value.hpp"
 #include "tests/support/verify_drafts.hpp"
 
 namespace verify_opening_property_test {
@@ -38,14 +39,11 @@ std::string example(const std::string& name) {
 
 /// The FOLD file of a design with frames at pi/2 and 1.1.
 std::string fold_of(const std::string& spec_text) {
-  const auto spec = parse_design_spec(spec_text);
-  REQUIRE(spec);
-  const auto made = design(*spec);
-  if (!made) FAIL(message(made.error()));
+  const auto made = value(design(value(parse_design_spec(spec_text))));
   std::ostringstream fold;
   FoldOptions options;
   options.psi_rad = std::vector{kPi / 2.0, 1.1};
-  REQUIRE(write_fold(made->pattern, options, fold));
+  REQUIRE(write_fold(made.pattern, options, fold));
   return fold.str();
 }
 
@@ -57,16 +55,15 @@ struct Agreement {
 
 /// Takes the frames off, opens the rest and compares with what was taken off.
 Agreement compared(const std::string& fold, bool keep_angles) {
-  auto file = verify::read_fold_model(fold);
-  REQUIRE(file);
-  const std::vector<verify::Pose> known = std::move(file->poses);
+  auto file = value(verify::read_fold_model(fold));
+  const std::vector<verify::Pose> known = std::move(file.poses);
   REQUIRE(known.size() == 2);
-  file->poses.clear();
-  if (!keep_angles) file->fold_angle_deg.clear();
+  file.poses.clear();
+  if (!keep_angles) file.fold_angle_deg.clear();
   VerifyCheck check;
-  const verify::Sheet sheet = make_sheet(*file, check);
+  const verify::Sheet sheet = make_sheet(file, check);
   const double psi[] = {kPi / 2.0, 1.1};
-  const verify::Trajectory opening = open_sheet(*file, sheet, psi, 1e-9);
+  const verify::Trajectory opening = open_sheet(file, sheet, psi, 1e-9);
   INFO(opening.stopped);
   REQUIRE(opening.poses.size() == 2);
   CHECK(opening.reversed == 0);
@@ -76,12 +73,12 @@ Agreement compared(const std::string& fold, bool keep_angles) {
   for (std::size_t k = 0; k < 2; ++k) {
     CHECK(*opening.poses[k].psi_rad == Approx(*known[k].psi_rad));
     result.off_mm =
-        std::max(result.off_mm, largest_difference(*file, sheet, opening.poses[k], known[k]));
+        std::max(result.off_mm, largest_difference(file, sheet, opening.poses[k], known[k]));
   }
-  const auto pose = measure(*file, sheet, make_panels(*file, sheet), opening.poses[1]);
-  result.freedoms_by_loops = mobility(*file, sheet, pose, 1e-12).degrees_of_freedom;
+  const auto pose = measure(file, sheet, make_panels(file, sheet), opening.poses[1]);
+  result.freedoms_by_loops = mobility(file, sheet, pose, 1e-12).degrees_of_freedom;
   result.freedoms_by_panels =
-      mobility(*file, sheet, pose, 1e-12, verify::MobilityForm::Panels).degrees_of_freedom;
+      mobility(file, sheet, pose, 1e-12, verify::MobilityForm::Panels).degrees_of_freedom;
   return result;
 }
 
@@ -130,8 +127,7 @@ TEST_CASE("random splayed cards open from their assignments alone as the closed 
         R"j({{"popcut":1,"surface":{{"type":"profile","z":"75-x"}},"units_per_slice":3,"slices":{},
              "widths_mm":15,"lattice":"slices","splay":{{"alpha":{:.4f}}}}})j",
         slices, alpha);
-    const auto parsed = parse_design_spec(spec);
-    if (!parsed) FAIL(message(parsed.error()));
+    const auto parsed = value(parse_design_spec(spec));
     const Agreement found = compared(fold_of(spec), false);
     CHECK(found.off_mm < 1e-9);
     CHECK(found.freedoms_by_loops == 1);

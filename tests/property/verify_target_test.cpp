@@ -17,6 +17,7 @@
 #include "core/verify/verify.hpp"
 #include "tests/support/meshes.hpp"
 #include "tests/support/random_numbers.hpp"
+#include "tests/support/value.hpp"
 
 namespace verify_target_test {
 
@@ -34,22 +35,19 @@ struct Compared {
 Compared compare(const std::string& spec_text, const std::string& target_text,
                  const std::string& bytes = {}) {
   CAPTURE(spec_text);
-  const auto spec = parse_design_spec(spec_text);
-  if (!spec) FAIL(message(spec.error()));
-  const auto made = design(*spec, {{asset_of(spec->surface), bytes}});
-  if (!made) FAIL(message(made.error()));
+  const auto spec = testing::value(parse_design_spec(spec_text));
+  const auto made = testing::value(design(spec, {{asset_of(spec.surface), bytes}}));
   std::ostringstream fold;
-  REQUIRE(write_fold(made->pattern, {}, fold));
+  REQUIRE(write_fold(made.pattern, {}, fold));
   VerifyOptions options;
   options.target_spec = target_text;
   for (const std::string& name : target_files_of(target_text))
     options.target_files.emplace(name, bytes);
-  const auto verified = verify_fold(fold.str(), options);
-  if (!verified) FAIL(message(verified.error()));
-  INFO(verify_text(*verified));
-  CHECK(verified->ok());
-  REQUIRE(verified->target_inner);
-  return {made->report, *verified};
+  const auto verified = testing::value(verify_fold(fold.str(), options));
+  INFO(verify_text(verified));
+  CHECK(verified.ok());
+  REQUIRE(verified.target_inner);
+  return {made.report, verified};
 }
 
 /// Inner and end errors agree to `within_mm`.
@@ -167,19 +165,15 @@ TEST_CASE("verify does not fail a pattern whose chosen widths it cannot read",
   const std::string text =
       R"j({"popcut":1,"surface":{"type":"revolution","radius":"20+abs(y-30)"},"units_per_slice":3,
           "slices":9,"widths_mm":{"max_error_mm":2,"length_mm":60}})j";
-  const auto spec = parse_design_spec(text);
-  REQUIRE(spec);
-  const auto made = design(*spec);
-  REQUIRE(made);
+  const auto made = testing::value(design(testing::value(parse_design_spec(text))));
   std::ostringstream fold;
-  REQUIRE(write_fold(made->pattern, {}, fold));
+  REQUIRE(write_fold(made.pattern, {}, fold));
   VerifyOptions options;
   options.target_spec = text;
-  const auto verified = verify_fold(fold.str(), options);
-  REQUIRE(verified);
-  INFO(verify_text(*verified));
-  CHECK(verified->ok());
-  CHECK(verify_text(*verified).find("give the list of widths") != std::string::npos);
+  const auto verified = testing::value(verify_fold(fold.str(), options));
+  INFO(verify_text(verified));
+  CHECK(verified.ok());
+  CHECK(verify_text(verified).find("give the list of widths") != std::string::npos);
 }
 
 TEST_CASE("verify leaves out slices that are blank", "[property][design][verify][target][blank]") {
@@ -220,24 +214,20 @@ TEST_CASE("verify measures each part of a design of patches",
         fmt::format(R"({{"popcut":1,"patches":[{},{},{}],"join":{},"join_tolerance_mm":20{}}})",
                     hall, dome, shed, join, more);
     CAPTURE(text);
-    const auto spec = parse_design_spec(text);
-    if (!spec) FAIL(message(spec.error()));
-    const auto made = design_assembly(*spec);
-    if (!made) FAIL(message(made.error()));
+    const auto made = testing::value(design_assembly(testing::value(parse_design_spec(text))));
     std::string ranges;
-    for (const Design& part : made->parts) {
+    for (const Design& part : made.parts) {
       std::ostringstream fold;
       REQUIRE(write_fold(part.pattern, {}, fold));
       VerifyOptions options;
       options.target_spec = text;
-      const auto verified = verify_fold(fold.str(), options);
-      if (!verified) FAIL(message(verified.error()));
-      INFO(verify_text(*verified));
-      REQUIRE(verified->target_inner);
-      CHECK(verified->target_inner->vertices > 0);
-      CHECK(verified->target_inner->rms_mm == Approx(part.report.inner_error.rms_mm).margin(1e-6));
-      CHECK(verified->target_inner->max_mm == Approx(part.report.inner_error.max_mm).margin(1e-6));
-      for (const VerifyCheck& check : verified->checks)
+      const auto verified = testing::value(verify_fold(fold.str(), options));
+      INFO(verify_text(verified));
+      REQUIRE(verified.target_inner);
+      CHECK(verified.target_inner->vertices > 0);
+      CHECK(verified.target_inner->rms_mm == Approx(part.report.inner_error.rms_mm).margin(1e-6));
+      CHECK(verified.target_inner->max_mm == Approx(part.report.inner_error.max_mm).margin(1e-6));
+      for (const VerifyCheck& check : verified.checks)
         if (check.name == "target") {
           CHECK(check.ok());
           ranges += check.detail.substr(check.detail.rfind(';'));
@@ -268,17 +258,15 @@ TEST_CASE("verify ignores V-folds and measures the creases below them",
 TEST_CASE("verify reports a pattern that does not belong to its target",
           "[property][design][verify][target]") {
   const auto spec = parse_design_spec(one(R"({"type":"revolution","radius":"50"})"));
-  const auto made = design(*spec);
-  REQUIRE(made);
+  const auto made = testing::value(design(*spec));
   std::ostringstream fold;
-  REQUIRE(write_fold(made->pattern, {}, fold));
+  REQUIRE(write_fold(made.pattern, {}, fold));
   VerifyOptions options;
   options.target_spec =
       R"({"popcut":1,"surface":{"type":"revolution","radius":"50"},"units_per_slice":5,"slices":9,"widths_mm":7})";
-  const auto other = verify_fold(fold.str(), options);
-  REQUIRE(other);
-  CHECK_FALSE(other->ok());
-  CHECK(verify_text(*other).find("is it the spec of this pattern?") != std::string::npos);
+  const auto other = testing::value(verify_fold(fold.str(), options));
+  CHECK_FALSE(other.ok());
+  CHECK(verify_text(other).find("is it the spec of this pattern?") != std::string::npos);
 
   const auto refused = [&](const std::string& surface, const std::string& bytes) {
     options.target_spec = one(surface);
@@ -335,9 +323,7 @@ TEST_CASE("random drawn radii design, and verify finds what the design reports",
             "units_per_slice":{},"slices":5,"widths_mm":10,"lattice":"{}"}})",
         listed(points), whole(random, 2, 4),
         kLattices.at(static_cast<std::size_t>(whole(random, 0, 3))));
-    const auto parsed = parse_design_spec(spec);
-    REQUIRE(parsed);
-    const auto made = design(*parsed);
+    const auto made = design(testing::value(parse_design_spec(spec)));
     if (!made) FAIL(spec << message(made.error()));
     if (made->report.inner_error.count == 0) continue;
     check_agrees(spec);
@@ -375,9 +361,7 @@ TEST_CASE("random lofts design, and verify finds what the design reports",
         R"({{"popcut":1,"surface":{{"type":"loft","stations":[{}]}},"units_per_slice":{},
             "slices":5,"widths_mm":10,"lattice":"{}"}})",
         stations, whole(random, 2, 4), whole(random, 0, 1) == 0 ? "slices" : "conformal");
-    const auto parsed = parse_design_spec(spec);
-    if (!parsed) FAIL(message(parsed.error()));
-    const auto made = design(*parsed);
+    const auto made = design(testing::value(parse_design_spec(spec)));
     if (!made) continue;  // steep ones have no lattice
     if (made->report.inner_error.count == 0) continue;
     check_agrees(spec, 1e-6);
@@ -408,14 +392,11 @@ TEST_CASE("a sphere through 40 points is that of the formula to a hundredth of t
   for (const char* lattice : {"slices", "levels", "conformal", "direct"}) {
     CAPTURE(lattice);
     const auto designed = [&](const std::string& radius) {
-      const auto spec = parse_design_spec(fmt::format(
+      const auto spec = testing::value(parse_design_spec(fmt::format(
           R"({{"popcut":1,"surface":{{"type":"revolution","radius":{}}},"units_per_slice":5,
               "slices":10,"widths_mm":10,"lattice":"{}"}})",
-          radius, lattice));
-      REQUIRE(spec);
-      auto made = design(*spec);
-      REQUIRE(made);
-      return std::move(*made);
+          radius, lattice)));
+      return testing::value(design(spec));
     };
     const Design drawn = designed(fmt::format(R"({{"points":{}}})", listed(points)));
     const Design formula = designed(R"j("sqrt(70^2 - (y - 45)^2)")j");

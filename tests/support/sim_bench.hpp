@@ -14,17 +14,9 @@
 #include "device/session/session.hpp"
 #include "device/sim/sim_transport.hpp"
 #include "protocol/encode.hpp"
+#include "tests/support/value.hpp"
 
 namespace popcut::testing {
-
-/// The value of a result; REQUIRE reports its error.
-template <typename T>
-T value(Result<T> result) {
-  const std::string why = result ? std::string() : message(result.error());
-  INFO(why);
-  REQUIRE(result);
-  return std::move(*result);
-}
 
 inline Machine machine(const char* name) { return value(find_machine(name)); }
 

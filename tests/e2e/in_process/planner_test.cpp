@@ -21,6 +21,7 @@
 #include "tests/support/meshes.hpp"
 #include "tests/support/paths.hpp"
 #include "tests/support/planner_bench.hpp"
+#include "tests/support/value.hpp"
 
 namespace planner_test {
 
@@ -198,9 +199,8 @@ TEST_CASE("a plan has the same bytes as popcut plan every time", "[daemon][plann
       CHECK(sheet.cut_mm > 0);
       CHECK(sheet.seconds_range[0] < sheet.seconds);
       CHECK(sheet.area_mm[0] > 100);
-      const auto read = planning::read_program(index->bytes, program->bytes);
-      REQUIRE(read);
-      CHECK(static_cast<int>(read->strokes.size()) == sheet.paths);
+      const auto read = value(planning::read_program(index->bytes, program->bytes));
+      CHECK(static_cast<int>(read.strokes.size()) == sheet.paths);
       CHECK(file_of(*first, name + ".svg"));
       all += program->bytes;
     }
@@ -211,14 +211,13 @@ TEST_CASE("a plan has the same bytes as popcut plan every time", "[daemon][plann
       REQUIRE(file_of(*first, name));
       CHECK(file_of(*first, name)->bytes.size() > 100);
     }
-    const auto second = bench.run(bench.task(Kind::Plan, text_of_file(spec), "spec"));
-    REQUIRE(second);
-    CHECK(second->sha256 == first->sha256);
-    REQUIRE(second->files.size() == first->files.size());
+    const auto second = value(bench.run(bench.task(Kind::Plan, text_of_file(spec), "spec")));
+    CHECK(second.sha256 == first->sha256);
+    REQUIRE(second.files.size() == first->files.size());
     for (std::size_t k = 0; k < first->files.size(); ++k) {
       CAPTURE(first->files[k].name);
-      CHECK(second->files[k].name == first->files[k].name);
-      CHECK(second->files[k].bytes == first->files[k].bytes);
+      CHECK(second.files[k].name == first->files[k].name);
+      CHECK(second.files[k].bytes == first->files[k].bytes);
     }
   }
 }
@@ -249,9 +248,8 @@ TEST_CASE("a spec's mesh is an asset named by its id", "[daemon][planner]") {
   CHECK(planned->assets == std::vector<std::string>{id});
   CHECK(planned->sheets.size() == 1);
   task.kind = Kind::Check;
-  const auto seen = bench.run(task);
-  REQUIRE(seen);
-  CHECK(seen->files.at(0).bytes.find("<path") != std::string::npos);
+  const auto seen = value(bench.run(task));
+  CHECK(seen.files.at(0).bytes.find("<path") != std::string::npos);
 }
 
 TEST_CASE("machine material and options of a task are obeyed", "[daemon][planner]") {
@@ -271,9 +269,8 @@ TEST_CASE("machine material and options of a task are obeyed", "[daemon][planner
   CHECK(plan.dump().find("\"felt\"") != std::string::npos);
   CHECK(plan.dump().find("\"ours\"") != std::string::npos);
   task.machine_json = R"j({"name": "hpgl", "like": "hpgl-generic", "title": "H"})j";
-  const auto hpgl = bench.run(task);
-  REQUIRE(hpgl);
-  CHECK(file_of(*hpgl, "sheet-01.hpgl"));
+  const auto hpgl = value(bench.run(task));
+  CHECK(file_of(hpgl, "sheet-01.hpgl"));
   auto test_cut = bench.task(Kind::TestCut, "");
   const auto tried = bench.run(test_cut);
   INFO(why(tried));
@@ -451,11 +448,10 @@ TEST_CASE("a plan says what it is at, phase by phase", "[daemon][planning]") {
       [&](std::string_view doing, double done) {
         CAPTURE(doing);
         CHECK(planning::phase_of(doing) != "planning");
-        const auto read = planning::read_phase(planning::phase_json(doing, done));
-        REQUIRE(read);
-        CHECK(read->doing == doing);
-        CHECK(read->done == done);
-        phases.insert(read->phase);
+        const auto read = value(planning::read_phase(planning::phase_json(doing, done)));
+        CHECK(read.doing == doing);
+        CHECK(read.done == done);
+        phases.insert(read.phase);
       });
   REQUIRE(outcome);
   CHECK(phases == std::set<std::string>{"reading", "slicing", "lattice", "checking", "cleaning",
@@ -477,17 +473,15 @@ TEST_CASE("the artwork of a sheet is drawn only for the program that its plan ga
     files[name] = bytes;
     return {};
   };
-  const auto plan = planning::perform(task_of(Kind::Plan), keep);
-  REQUIRE(plan);
-  REQUIRE(plan->sheets.size() == 1);
+  const auto plan = value(planning::perform(task_of(Kind::Plan), keep));
+  REQUIRE(plan.sheets.size() == 1);
   files.clear();
   auto task = task_of(Kind::Artwork);
   task.options.insert({{"artwork-sheet", "1"},
                        {"artwork-mode", "view"},
                        {"artwork-dpi", "50"},
-                       {"artwork-sha256", plan->sheets[0].program_sha256}});
-  const auto drawn = planning::perform(task, keep);
-  if (!drawn) FAIL(message(drawn.error()));
+                       {"artwork-sha256", plan.sheets[0].program_sha256}});
+  const auto drawn = value(planning::perform(task, keep));
   REQUIRE(files.size() == 1);
   CHECK(files["artwork.pdf"].starts_with("%PDF"));
   files.clear();
@@ -538,8 +532,7 @@ TEST_CASE("sheets are made for people without a cutter, and a drawing is asked a
       document = bytes;
       return {};
     };
-    const auto outcome = planning::perform(std::move(task), keep);
-    if (!outcome) FAIL(message(outcome.error()));
+    const auto outcome = value(planning::perform(std::move(task), keep));
     return nlohmann::json::parse(document);
   };
   const std::string paper = R"({"name": "page", "like": "none"})";

@@ -14,6 +14,7 @@
 #include "tests/support/meshes.hpp"
 #include "tests/support/paths.hpp"
 #include "tests/support/planner_bench.hpp"
+#include "tests/support/value.hpp"
 
 namespace search_test {
 
@@ -91,14 +92,13 @@ TEST_CASE("a worker finds the same cards of a model each time and draws each of 
   CHECK(first->assets == std::vector<std::string>{kModel});
   const PlanningFile* const text = file_of(*first, planning::kFrontFile);
   REQUIRE(text);
-  const auto front = planning::read_front(text->bytes);
-  REQUIRE(front);
-  CHECK(planning::front_text(*front) == text->bytes);
-  REQUIRE_FALSE(front->cards.empty());
-  CHECK(first->files.size() == 2 * front->cards.size() + 1);
+  const auto front = value(planning::read_front(text->bytes));
+  CHECK(planning::front_text(front) == text->bytes);
+  REQUIRE_FALSE(front.cards.empty());
+  CHECK(first->files.size() == 2 * front.cards.size() + 1);
   double seconds = 0.0, error = 1e9;
-  for (std::size_t k = 0; k < front->cards.size(); ++k) {
-    const daemon::FoundCardRecord& card = front->cards[k];
+  for (std::size_t k = 0; k < front.cards.size(); ++k) {
+    const daemon::FoundCardRecord& card = front.cards[k];
     CAPTURE(k, card.spec);
     CHECK(card.seconds >= seconds);
     CHECK(card.error < error);
@@ -120,13 +120,12 @@ TEST_CASE("a worker finds the same cards of a model each time and draws each of 
     REQUIRE(shown);
     CHECK(shown->bytes.starts_with("PCLB"));
   }
-  CHECK(front->cards.back().error < 0.5);  // a hall is what cards are good at
-  CHECK(front->recommended >= 1);
-  const auto again = bench.run(SearchBench::task(hall(), small()));
-  REQUIRE(again);
-  REQUIRE(again->files.size() == first->files.size());
+  CHECK(front.cards.back().error < 0.5);  // a hall is what cards are good at
+  CHECK(front.recommended >= 1);
+  const auto again = value(bench.run(SearchBench::task(hall(), small())));
+  REQUIRE(again.files.size() == first->files.size());
   for (const PlanningFile& file : first->files)
-    CHECK(file_of(*again, file.name)->bytes == file.bytes);
+    CHECK(file_of(again, file.name)->bytes == file.bytes);
 }
 
 TEST_CASE("a worker finds the cards of a GLB as of the same STL", "[daemon][planner][search]") {
@@ -150,11 +149,10 @@ TEST_CASE("a model with a hole is searched as it is seen and a note says so",
   const auto outcome = bench.run(SearchBench::task(hall(true), small()));
   INFO(why(outcome));
   REQUIRE(outcome);
-  const auto front = planning::read_front(file_of(*outcome, planning::kFrontFile)->bytes);
-  REQUIRE(front);
-  REQUIRE_FALSE(front->notes.empty());
-  CHECK_THAT(front->notes.front(), Catch::Contains("has holes"));
-  for (const daemon::FoundCardRecord& card : front->cards) CHECK(card.style == "facets");
+  const auto front = value(planning::read_front(file_of(*outcome, planning::kFrontFile)->bytes));
+  REQUIRE_FALSE(front.notes.empty());
+  CHECK_THAT(front.notes.front(), Catch::Contains("has holes"));
+  for (const daemon::FoundCardRecord& card : front.cards) CHECK(card.style == "facets");
 }
 
 TEST_CASE("what is no model, or has no card, gives one sentence", "[daemon][planner][search]") {
@@ -184,9 +182,8 @@ TEST_CASE(
     wanted.candidates.insert(wanted.candidates.end(), some.begin(), some.end());
   Candidate& odd = wanted.candidates.emplace_back();
   odd.way = 7, odd.fill = 0.1, odd.hinge_mm3 = 1.0 / 3, odd.layers = 3, odd.kites = true;
-  const auto again = planning::read_wanted(planning::wanted_text(wanted));
-  REQUIRE(again);
-  CHECK(again->candidates == wanted.candidates);
+  const auto again = value(planning::read_wanted(planning::wanted_text(wanted)));
+  CHECK(again.candidates == wanted.candidates);
 
   std::vector<planning::JudgedCard> cards;
   for (const Candidate& candidate : wanted.candidates) {
@@ -202,26 +199,25 @@ TEST_CASE(
   found.spec = "{}", found.cost.seconds = 1.0 / 3, found.figures.cover = 0.5;
   found.printed = {0.1, 0.2, 0.3};
   found.facts = {{1, 2}, 3.5, {{"no_unit", "none", {}, true}}};
-  const auto memory = planning::read_memory(
+  const auto memory = value(planning::read_memory(
       "{\"ways\": null, \"cards\": " + planning::judged_text(cards) +
-      ", \"finished\": " + planning::finished_text(finished) + ", \"drawn\": []}");
-  REQUIRE(memory);
-  REQUIRE(memory->cards.size() == cards.size());
+      ", \"finished\": " + planning::finished_text(finished) + ", \"drawn\": []}"));
+  REQUIRE(memory.cards.size() == cards.size());
   for (std::size_t k = 0; k < cards.size(); ++k) {
-    const planning::JudgedCard& card = memory->cards[k];
+    const planning::JudgedCard& card = memory.cards[k];
     CHECK(card.candidate == cards[k].candidate);
     CHECK(card.judged.error == cards[k].judged.error);
     CHECK(card.judged.stays);
     CHECK(card.cost.wobble_mm == 10);
     CHECK(card.cost.hands.label == "hard");
   }
-  CHECK(planning::judged_text(memory->cards) == planning::judged_text(cards));
-  REQUIRE(memory->finished.size() == 2);
-  CHECK(memory->finished[0].candidate == odd);
-  CHECK_FALSE(memory->finished[0].card);
-  CHECK(memory->finished[1].card->error() == found.error());
-  CHECK(memory->finished[1].card->facts.warnings.at(0).spoils);
-  CHECK(planning::finished_text(memory->finished) == planning::finished_text(finished));
+  CHECK(planning::judged_text(memory.cards) == planning::judged_text(cards));
+  REQUIRE(memory.finished.size() == 2);
+  CHECK(memory.finished[0].candidate == odd);
+  CHECK_FALSE(memory.finished[0].card);
+  CHECK(memory.finished[1].card->error() == found.error());
+  CHECK(memory.finished[1].card->facts.warnings.at(0).spoils);
+  CHECK(planning::finished_text(memory.finished) == planning::finished_text(finished));
 }
 
 TEST_CASE("the words of a search are read back and what is out of range is refused",
@@ -240,9 +236,8 @@ TEST_CASE("the words of a search are read back and what is out of range is refus
                                   .min_fold_mm = 5,
                                   .label = "medium",
                                   .plain = true};
-  const auto read = planning::read_search_words(planning::search_words(request));
-  REQUIRE(read);
-  CHECK(planning::search_words(*read) == planning::search_words(request));
+  const auto read = value(planning::read_search_words(planning::search_words(request)));
+  CHECK(planning::search_words(read) == planning::search_words(request));
   const auto refused = [&](const char* name, const json& value) {
     json words = json::parse(planning::search_words(request));
     words[name] = value;

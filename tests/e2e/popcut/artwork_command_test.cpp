@@ -19,6 +19,7 @@
 #include "tests/support/meshes.hpp"
 #include "tests/support/painted_shell.hpp"
 #include "tests/support/paths.hpp"
+#include "tests/support/value.hpp"
 
 namespace artwork_command_test {
 
@@ -32,17 +33,15 @@ namespace {
 struct ShellBench : CommandBench {
   ShellBench() {
     const PaintedShell shell = painted_shells()[0];
-    const auto skin = png_of_image(shell.texture(64));
-    REQUIRE(skin);
+    const auto skin = value(png_of_image(shell.texture(64)));
     write_file(temp / "shell.obj", shell.obj());
     write_file(temp / "shell.mtl", "newmtl skin\nmap_Kd skin.png\n");
-    write_file(temp / "skin.png", *skin);
+    write_file(temp / "skin.png", skin);
     write_file(temp / "shell.json", PaintedShell::spec(3, 5, 25));
     ColourImage yellow(8, 8);
     for (std::size_t k = 0; k < 64; ++k) yellow.set(k % 8, k / 8, {250, 220, 60, 255});
-    const auto png = png_of_image(yellow);
-    REQUIRE(png);
-    write_file(temp / "yellow.png", *png);
+    const auto png = value(png_of_image(yellow));
+    write_file(temp / "yellow.png", png);
   }
 };
 
@@ -125,8 +124,7 @@ TEST_CASE("the marks of a printed page lie where the program of each machine loo
     const std::string name = row["name"];
     if (row["language"] != "gpgl") continue;
     CAPTURE(name);
-    const auto machine = find_machine(name);
-    REQUIRE(machine);
+    const auto machine = value(find_machine(name));
     const Ran ran =
         bench.popcut({"print", "shell.json", "--mode", "flat", "--image", "yellow.png", "--machine",
                       name, "--mat", "130x190", "--dpi", "72", "-o", "pages", "-q"});
@@ -137,13 +135,13 @@ TEST_CASE("the marks of a printed page lie where the program of each machine loo
     const Box printed = Grey(bench, "pages/sheet-01.pdf", kDpi).dark(190 - 29);
     const auto [height, width, top, left] =
         searched(text_of_file(bench.temp / "pages/sheet-01.gpgl"));
-    const double unit = machine->unit_mm, within = 0.05;
+    const double unit = machine.unit_mm, within = 0.05;
     CHECK_THAT(printed.x0,
-               Catch::WithinAbs(
-                   left * unit - machine->margin_left_mm + machine->marks.before_left_mm, within));
-    CHECK_THAT(printed.y0,
-               Catch::WithinAbs(top * unit - machine->margin_top_mm + machine->marks.before_top_mm,
+               Catch::WithinAbs(left * unit - machine.margin_left_mm + machine.marks.before_left_mm,
                                 within));
+    CHECK_THAT(
+        printed.y0,
+        Catch::WithinAbs(top * unit - machine.margin_top_mm + machine.marks.before_top_mm, within));
     CHECK_THAT(printed.width(), Catch::WithinAbs(width * unit, within));
     CHECK_THAT(printed.height(), Catch::WithinAbs(height * unit, within));
   }
@@ -216,9 +214,8 @@ TEST_CASE("popcut print writes pages, programs and a preview, and the same again
   CHECK(pdf.rfind("%PDF", 0) == 0);
   CHECK(text_of_file(bench.temp / "pages/preview.glb").rfind("glTF", 0) == 0);
   const std::string picture = text_of_file(bench.temp / "pages/preview.png");
-  const auto tiles = read_image("preview.png", picture);
-  REQUIRE(tiles);
-  CHECK(tiles->width == 3 * tiles->height);
+  const auto tiles = value(read_image("preview.png", picture));
+  CHECK(tiles.width == 3 * tiles.height);
   CHECK(says(text_of_file(bench.temp / "pages/sheet-01.gpgl"), "TB123,"));
   CHECK(bench.read_json("pages/plan.json")["sheets"][0]["registration"]["left_mm"] == 10);
   const Ran info = run_program({"/usr/bin/pdfinfo", "pages/sheet-01.pdf"}, bench.temp.path());
@@ -237,14 +234,14 @@ TEST_CASE("the picture of a printed design shows the model, and the card from tw
                                  "--preview", "-o",         "pages",      "-q"};
     all.insert(all.end(), more.begin(), more.end());
     REQUIRE(bench.popcut(all).exit == 0);
-    const auto image = read_image("preview.png", text_of_file(bench.temp / "pages/preview.png"));
-    REQUIRE(image);
+    const auto image =
+        value(read_image("preview.png", text_of_file(bench.temp / "pages/preview.png")));
     // Of each tile: pixels with colour.
-    std::vector<std::size_t> out(image->width / image->height);
-    for (std::size_t j = 0; j < image->height; ++j)
-      for (std::size_t i = 0; i < image->width; ++i) {
-        const auto [least, most] = std::minmax_element(image->at(i, j), image->at(i, j) + 3);
-        out[i / image->height] += *most - *least > 40 ? 1 : 0;
+    std::vector<std::size_t> out(image.width / image.height);
+    for (std::size_t j = 0; j < image.height; ++j)
+      for (std::size_t i = 0; i < image.width; ++i) {
+        const auto [least, most] = std::minmax_element(image.at(i, j), image.at(i, j) + 3);
+        out[i / image.height] += *most - *least > 40 ? 1 : 0;
       }
     return out;
   };
@@ -472,13 +469,13 @@ TEST_CASE("a Cricut gets the artwork and the lines apart, around one middle",
   CAPTURE(ran.err);
   REQUIRE(ran.exit == 0);
   CHECK(says(ran.err, "Print Then Cut"));
-  const auto picture = read_image("sheet-01.png", text_of_file(bench.temp / "pages/sheet-01.png"));
-  REQUIRE(picture);
+  const auto picture =
+      value(read_image("sheet-01.png", text_of_file(bench.temp / "pages/sheet-01.png")));
   const std::string svg = text_of_file(bench.temp / "pages/sheet-01-cricut.svg");
   CHECK(says(svg, "id=\"cut\""));
   CHECK_FALSE(says(svg, "<image"));
   // The picture is 1 mm larger on every side, and nothing of it is trimmed.
-  for (std::size_t k = 3; k < picture->rgba.size(); k += 4) REQUIRE(picture->rgba[k] == 255);
+  for (std::size_t k = 3; k < picture.rgba.size(); k += 4) REQUIRE(picture.rgba[k] == 255);
   Box box;
   for (std::size_t at = svg.find("d=\"M"); at != std::string::npos;
        at = svg.find("d=\"M", at + 1)) {
@@ -497,9 +494,9 @@ TEST_CASE("a Cricut gets the artwork and the lines apart, around one middle",
     }
   }
   constexpr double kPoint_mm = 25.4 / 72;
-  CHECK_THAT(static_cast<double>(picture->width) * 0.254,
+  CHECK_THAT(static_cast<double>(picture.width) * 0.254,
              Catch::WithinAbs(box.width() * kPoint_mm + 2, 0.3));
-  CHECK_THAT(static_cast<double>(picture->height) * 0.254,
+  CHECK_THAT(static_cast<double>(picture.height) * 0.254,
              Catch::WithinAbs(box.height() * kPoint_mm + 2, 0.3));
 }
 

@@ -14,6 +14,7 @@
 #include "core/formats/svg/svg_reader.hpp"
 #include "tests/support/command_bench.hpp"
 #include "tests/support/paths.hpp"
+#include "tests/support/value.hpp"
 
 namespace cricut_command_test {
 
@@ -103,12 +104,11 @@ TEST_CASE("a plan for a Cricut is one drawing with the operations of Design Spac
   CHECK(count(groups.paths[2][2], 'M') == 1);
   CHECK(groups.paths[2][2].back() == 'Z');
   // The drawing has its size, and no line is there twice.
-  const auto back = linework_from_svg(svg, SvgProfile::Popcut);
-  REQUIRE(back);
-  CHECK(bounds(*back).width() == Approx(86.39).margin(0.02));
+  const auto back = value(linework_from_svg(svg, SvgProfile::Popcut));
+  CHECK(bounds(back).width() == Approx(86.39).margin(0.02));
   double cut_mm = 0.0;
-  for (const DrawnLine& line : back->lines)
-    if (is_cut(line.operation)) cut_mm += length(back->points_of(line));
+  for (const DrawnLine& line : back.lines)
+    if (is_cut(line.operation)) cut_mm += length(back.points_of(line));
   const json& sheet = plan["sheets"][0];
   CHECK(sheet["cut_mm"].get<double>() == Approx(cut_mm).margin(0.01));
   CHECK(sheet["fold_mm"] == sheet["fold_line_mm"]);
@@ -163,12 +163,11 @@ TEST_CASE("a design that is too large for a Cricut's mat is split for it", "[cli
   const json wide = bench.planned(source_file("examples/facade.json"), {"--machine", "cricut-joy"});
   REQUIRE(wide["sheets"].size() > 1);
   for (std::size_t i = 1; i <= wide["sheets"].size(); ++i) {
-    const auto svg = linework_from_svg(
+    const auto svg = value(linework_from_svg(
         bench.file((i < 10 ? "sheet-0" : "sheet-") + std::to_string(i) + "-cricut.svg"),
-        SvgProfile::Popcut);
-    REQUIRE(svg);
-    CHECK(bounds(*svg).width() <= 107.95);
-    CHECK(bounds(*svg).height() <= 158.75);
+        SvgProfile::Popcut));
+    CHECK(bounds(svg).width() <= 107.95);
+    CHECK(bounds(svg).height() <= 158.75);
   }
 }
 
@@ -185,12 +184,12 @@ TEST_CASE("a material that is cut twice is on another program's sheet once", "[c
          {std::vector<std::string>{"--material", name, "--machine", "cricut-maker"},
           std::vector<std::string>{"--material", name, "--svg-profile", "cricut"}}) {
       bench.planned("heart.svg", options);
-      const auto svg = linework_from_svg(bench.file("sheet-01-cricut.svg"), SvgProfile::Popcut);
-      REQUIRE(svg);
+      const auto svg =
+          value(linework_from_svg(bench.file("sheet-01-cricut.svg"), SvgProfile::Popcut));
       double cut_mm = 0.0;
-      for (const DrawnLine& line : svg->lines)
+      for (const DrawnLine& line : svg.lines)
         if (line.operation == Operation::Cut && line.count > 6)
-          cut_mm += length(svg->points_of(line));
+          cut_mm += length(svg.points_of(line));
       CHECK(cut_mm == Approx(one["sheets"][0]["cut_mm"].get<double>() - 48).margin(0.5));
     }
   }
@@ -315,12 +314,11 @@ TEST_CASE("one plan is written for Silhouette Studio, lasers and Design Space",
   CHECK(bench.files() == std::set<std::string>{"manifest.json", "plan.json", "sheet-01-cricut.svg",
                                                "sheet-01-lightburn.svg", "sheet-01.dxf"});
   CHECK_THAT(bench.said, Catch::Contains("86.4 x 78.7 mm"));
-  const auto sheet = linework_from_dxf(bench.file("sheet-01.dxf"));
-  REQUIRE(sheet);
+  const auto sheet = value(linework_from_dxf(bench.file("sheet-01.dxf")));
   double cut = 0.0, folds = 0.0;
   bool cutting = false;
-  for (const DrawnLine& line : sheet->lines) {
-    const double mm = length(sheet->points_of(line));
+  for (const DrawnLine& line : sheet.lines) {
+    const double mm = length(sheet.points_of(line));
     if (is_cut(line.operation)) {
       cutting = true;
       cut += mm;

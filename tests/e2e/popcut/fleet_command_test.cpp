@@ -21,6 +21,7 @@
 #include "tests/support/needs_postgres.hpp"
 #include "tests/support/postgres_server.hpp"
 #include "tests/support/running_daemon.hpp"
+#include "tests/support/value.hpp"
 
 namespace fleet_command_test {
 
@@ -404,9 +405,8 @@ TEST_CASE("a popcutd that was alone moves into a fleet with all that it has", "[
   check_refused(import(), 5, fmt::format("job {} is armed; start popcutd with this folder", waits));
   lab.open();
   lab.await_state(waits, "ready");
-  const auto for_hall = lab.api().patch(lab.job(waits), {{"site", "hall"}});
-  REQUIRE(for_hall);
-  CHECK(says((*for_hall)["warnings"].dump(), "no cutter is at site hall"));
+  const auto for_hall = value(lab.api().patch(lab.job(waits), {{"site", "hall"}}));
+  CHECK(says(for_hall["warnings"].dump(), "no cutter is at site hall"));
   lab.daemon().signal(SIGTERM);
   CHECK(lab.daemon().wait() == 0);
 

@@ -20,6 +20,7 @@
 #include "daemon/cli/options/angles.hpp"
 #include "daemon/files/output_folder.hpp"
 #include "tests/support/process.hpp"
+#include "tests/support/value.hpp"
 
 namespace output_folder_test {
 
@@ -36,10 +37,9 @@ namespace {
 
 /// One whole run: each name is a file with its own name as content.
 void run_with(const fs::path& folder, const Names& names) {
-  auto out = OutputFolder::open(folder);
-  REQUIRE(out);
-  for (const std::string& name : names) REQUIRE(out->add(name, name));
-  REQUIRE(out->commit("test"));
+  auto out = testing::value(OutputFolder::open(folder));
+  for (const std::string& name : names) REQUIRE(out.add(name, name));
+  REQUIRE(out.commit("test"));
 }
 
 void put_manifest(const fs::path& folder, const Names& files) {
@@ -51,12 +51,11 @@ void put_manifest(const fs::path& folder, const Names& files) {
 TEST_CASE("files appear only when the run is committed", "[cli][output]") {
   const TempFolder temp;
   {
-    auto out = OutputFolder::open(temp / "new/deep");
-    REQUIRE(out);
-    REQUIRE(out->add("report.json", "{}"));
+    auto out = testing::value(OutputFolder::open(temp / "new/deep"));
+    REQUIRE(out.add("report.json", "{}"));
     CHECK_FALSE(fs::exists(temp / "new/deep/report.json"));
-    REQUIRE(out->add("deploy/psi_001.stl", "solid"));
-    REQUIRE(out->commit("test run"));
+    REQUIRE(out.add("deploy/psi_001.stl", "solid"));
+    REQUIRE(out.commit("test run"));
   }
   CHECK(files_below(temp / "new/deep") ==
         Names{"deploy/psi_001.stl", "manifest.json", "report.json"});
@@ -69,10 +68,9 @@ TEST_CASE("a run that fails leaves nothing and no new folder", "[cli][output]") 
   const TempFolder temp;
   fs::create_directory(temp / "old");
   for (const std::string name : {"old", "fresh/er"}) {
-    auto out = OutputFolder::open(temp / name);
-    REQUIRE(out);
-    REQUIRE(out->add("a.txt", "a"));
-    const auto streamed = out->add("b.txt", [](std::ostream& text) -> Result<void> {
+    auto out = testing::value(OutputFolder::open(temp / name));
+    REQUIRE(out.add("a.txt", "a"));
+    const auto streamed = out.add("b.txt", [](std::ostream& text) -> Result<void> {
       text << "half";
       return fail(ErrorKind::Infeasible, "slice 3", "no");
     });
@@ -132,14 +130,13 @@ TEST_CASE("what a killed run left aside is cleared", "[cli][output]") {
 
 TEST_CASE("two runs cannot write into one folder at once", "[cli][output]") {
   const TempFolder temp;
-  auto first = OutputFolder::open(temp.path());
-  REQUIRE(first);
+  auto first = testing::value(OutputFolder::open(temp.path()));
   const auto second = OutputFolder::open(temp.path());
   REQUIRE_FALSE(second);
   CHECK(second.error().kind == ErrorKind::Unwritable);
   CHECK(second.error().detail.find("another popcut") != std::string::npos);
-  REQUIRE(first->add("a", "a"));
-  REQUIRE(first->commit("test"));
+  REQUIRE(first.add("a", "a"));
+  REQUIRE(first.commit("test"));
   CHECK(files_below(temp.path()) == Names{"a", "manifest.json"});
 }
 
@@ -163,11 +160,10 @@ TEST_CASE("what stands in the way of a file is found before anything changes", "
   fs::create_directory_symlink("/tmp", temp / "c");
   for (const std::string name : {"b", "c/file", "a/below"}) {
     CAPTURE(name);
-    auto out = OutputFolder::open(temp.path());
-    REQUIRE(out);
-    REQUIRE(out->add("z", "new"));
-    REQUIRE(out->add(name, "x"));
-    const auto done = out->commit("test");
+    auto out = testing::value(OutputFolder::open(temp.path()));
+    REQUIRE(out.add("z", "new"));
+    REQUIRE(out.add(name, "x"));
+    const auto done = out.commit("test");
     REQUIRE_FALSE(done);
     CHECK(done.error().kind == ErrorKind::Unwritable);
     CHECK(done.error().place == (temp / name).string());
@@ -177,15 +173,14 @@ TEST_CASE("what stands in the way of a file is found before anything changes", "
 
 TEST_CASE("names that leave the folder are refused", "[cli][output]") {
   const TempFolder temp;
-  auto out = OutputFolder::open(temp.path());
-  REQUIRE(out);
+  auto out = testing::value(OutputFolder::open(temp.path()));
   for (const std::string name :
        {"", "..", "../a", "a/../../b", "/etc/a", "manifest.json", ".popcut-aside/a", "a/", "./a"}) {
     CAPTURE(name);
-    CHECK_FALSE(out->add(name, "x"));
+    CHECK_FALSE(out.add(name, "x"));
   }
-  CHECK(out->add("a", "x"));
-  CHECK_FALSE(out->add("a", "again"));
+  CHECK(out.add("a", "x"));
+  CHECK_FALSE(out.add("a", "again"));
 }
 
 TEST_CASE("a file is read whole or not at all", "[cli][input]") {
@@ -241,16 +236,15 @@ TEST_CASE("a pipe into which nobody writes is refused, and one that is written i
 TEST_CASE("whoever else may write in the folder leads no file elsewhere", "[cli][output]") {
   const TempFolder temp;
   write_file(temp / "secret", "kept");
-  auto out = OutputFolder::open(temp / "out");
-  REQUIRE(out);
+  auto out = testing::value(OutputFolder::open(temp / "out"));
   // The place aside, and later that of the files, becomes a folder of links.
   fs::rename(temp / "out/.popcut-aside", temp / "out/moved");
   fs::create_directory(temp / "out/.popcut-aside");
   for (const char* name : {"report.json", "manifest.json"})
     fs::create_symlink(temp / "secret", temp / "out/.popcut-aside" / name);
   fs::create_symlink(temp / "secret", temp / "out/report.json");
-  REQUIRE(out->add("report.json", "{}"));
-  REQUIRE(out->commit("test run"));
+  REQUIRE(out.add("report.json", "{}"));
+  REQUIRE(out.commit("test run"));
   CHECK(text_of_file(temp / "secret") == "kept");
   CHECK(fs::symlink_status(temp / "out/report.json").type() == fs::file_type::regular);
   CHECK(text_of_file(temp / "out/report.json") == "{}");

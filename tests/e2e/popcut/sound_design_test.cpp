@@ -16,6 +16,7 @@
 #include "core/judge/pattern_model.hpp"
 #include "core/judge/rectangular_motion.hpp"
 #include "core/judge/sound_design.hpp"
+#include "tests/support/value.hpp"
 
 namespace sound_design_test {
 
@@ -25,9 +26,8 @@ using namespace popcut::judge;
 namespace {
 
 PatchAssembly designed(const std::string& fields) {
-  const auto spec = parse_design_spec(R"({"popcut":1,)" + fields + "}");
-  if (!spec) FAIL(message(spec.error()));
-  auto made = sound_design(*spec, {});
+  const auto spec = testing::value(parse_design_spec(R"({"popcut":1,)" + fields + "}"));
+  auto made = sound_design(spec, {});
   if (!made) FAIL(message(made.error().error));
   return std::move(*made);
 }
@@ -117,10 +117,10 @@ TEST_CASE("a pattern with a closed slit is not given, and its places are listed"
     if (part.strips.plane[p] <= kGroundPlane) continue;
     Strips parted = part.strips;
     parted.plane[p] = 1000;
-    auto built = build_pattern(parted, part.pattern.wall_mm, part.pattern.ground_mm, true, 0.5);
-    REQUIRE(built);
+    auto built = testing::value(
+        build_pattern(parted, part.pattern.wall_mm, part.pattern.ground_mm, true, 0.5));
     PatchAssembly broken = made;
-    broken.parts.front().pattern = std::move(built->pattern);
+    broken.parts.front().pattern = std::move(built.pattern);
     unsound = find_unsound(broken);
   }
   REQUIRE(unsound);
@@ -160,10 +160,9 @@ TEST_CASE("other freedoms than reported and faces through others are found too",
 
 TEST_CASE("how rectangular units move is proven without measuring poses", "[planning][sound]") {
   const auto is_proven = [](const Pattern& pattern, int freedoms) {
-    const auto model = pattern_model(pattern, {});
-    REQUIRE(model);
+    const auto model = testing::value(pattern_model(pattern, {}));
     VerifyCheck faces;
-    return has_rectangular_motion(pattern, verify::make_sheet(*model, faces), freedoms);
+    return has_rectangular_motion(pattern, verify::make_sheet(model, faces), freedoms);
   };
   // A fine lattice, whose one freedom the verifier's own propagation does not find.
   const std::string sphere =

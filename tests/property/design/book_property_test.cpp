@@ -19,6 +19,7 @@
 #include "core/verify/book.hpp"
 #include "tests/support/meshes.hpp"
 #include "tests/support/rounds.hpp"
+#include "tests/support/value.hpp"
 
 namespace book_property_test {
 
@@ -92,40 +93,37 @@ TEST_CASE("books of random shells are sound, with cards that never meet and that
             "book":{{"cards":{}}}}})",
         2 + round % 5, 4 + round % 7, cards);
     CAPTURE(text);
-    const auto spec = parse_design_spec(text);
-    REQUIRE(spec);
-    const auto book = design_assembly(*spec, {{"tube.stl", testing::binary_stl(shell(random))}});
-    if (!book) FAIL(message(book.error()));
+    const auto spec = testing::value(parse_design_spec(text));
+    const auto book =
+        testing::value(design_assembly(spec, {{"tube.stl", testing::binary_stl(shell(random))}}));
     std::vector<std::string> folds;
     std::vector<VerifiedCard> to_verify;
-    for (const Design& card : book->parts) {
+    for (const Design& card : book.parts) {
       std::ostringstream fold;
       REQUIRE(write_fold(card.pattern, {}, fold));
       folds.push_back(std::move(fold).str());
     }
     for (std::size_t i = 0; i < folds.size(); ++i)
       to_verify.push_back({fmt::format("card {}", i + 1), folds[i]});
-    const auto report = verify_book(to_verify);
-    if (!report) FAIL(message(report.error()));
-    INFO(verify_text(*report));
-    CHECK(report->ok());
-    CHECK(report->open_deg == Approx(360.0));
-    for (const VerifyReport& card : report->cards) CHECK(card.degrees_of_freedom == 1);
+    const auto report = testing::value(verify_book(to_verify));
+    INFO(verify_text(report));
+    CHECK(report.ok());
+    CHECK(report.open_deg == Approx(360.0));
+    for (const VerifyReport& card : report.cards) CHECK(card.degrees_of_freedom == 1);
     // By other means than the verifier's.
     const double whole = 2.0 * std::numbers::pi / cards;
-    for (std::size_t i = 0; i < book->parts.size(); ++i)
+    for (std::size_t i = 0; i < book.parts.size(); ++i)
       for (const double part : {0.02, 0.31, 0.77, 1.0})
-        check_in_wedge(book->parts[i].pattern, i, part * whole);
-    for (const Design& card : book->parts)
+        check_in_wedge(book.parts[i].pattern, i, part * whole);
+    for (const Design& card : book.parts)
       for (const auto& [x, v, z] : posed_vertices(card.pattern, 0.0)) {
-        CHECK(x <= book->book->page_mm + 1e-9);
+        CHECK(x <= book.book->page_mm + 1e-9);
         CHECK(v >= 0.0);
-        CHECK(v <= book->book->width_mm + 1e-9);
+        CHECK(v <= book.book->width_mm + 1e-9);
         CHECK(std::abs(z) < 1e-9);
       }
-    const auto fit = book_fit(*book);
-    REQUIRE(fit);
-    CHECK(fit->share_within[2] > 0.25);  // slices are 24 to 60 mm of 80
+    const auto fit = testing::value(book_fit(book));
+    CHECK(fit.share_within[2] > 0.25);  // slices are 24 to 60 mm of 80
   }
 }
 

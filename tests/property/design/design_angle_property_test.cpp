@@ -17,6 +17,7 @@
 #include "core/formats/write/report_json.hpp"
 #include "core/verify/verify.hpp"
 #include "tests/support/meshes.hpp"
+#include "tests/support/value.hpp"
 
 namespace design_angle_property_test {
 
@@ -26,12 +27,10 @@ namespace {
 
 Design designed(const std::string& text, const std::string& bytes = {}) {
   CAPTURE(text);
-  const auto spec = parse_design_spec(text);
-  if (!spec) FAIL(message(spec.error()));
-  auto made = design_assembly(*spec, {{asset_of(spec->surface), bytes}});
-  if (!made) FAIL(message(made.error()));
-  REQUIRE(made->parts.size() == 1);
-  return std::move(made->parts.front());
+  const auto spec = testing::value(parse_design_spec(text));
+  auto made = testing::value(design_assembly(spec, {{asset_of(spec.surface), bytes}}));
+  REQUIRE(made.parts.size() == 1);
+  return std::move(made.parts.front());
 }
 
 std::string fold_of(const Design& made) {
@@ -50,17 +49,14 @@ void check_verified(const std::string& text, std::optional<double> within_mm,
   options.degrees_of_freedom = 1;
   options.target_spec = text;
   for (const std::string& name : target_files_of(text)) options.target_files.emplace(name, bytes);
-  const auto verified = verify_fold(fold_of(made), options);
-  if (!verified) FAIL(message(verified.error()));
-  INFO(verify_text(*verified));
-  CHECK(verified->ok());
-  REQUIRE(verified->target_inner);
-  CHECK(verified->target_inner->vertices > 0);
+  const auto verified = testing::value(verify_fold(fold_of(made), options));
+  INFO(verify_text(verified));
+  CHECK(verified.ok());
+  REQUIRE(verified.target_inner);
+  CHECK(verified.target_inner->vertices > 0);
   if (!within_mm) return;
-  CHECK(verified->target_inner->rms_mm ==
-        Approx(made.report.inner_error.rms_mm).margin(*within_mm));
-  CHECK(verified->target_inner->max_mm ==
-        Approx(made.report.inner_error.max_mm).margin(*within_mm));
+  CHECK(verified.target_inner->rms_mm == Approx(made.report.inner_error.rms_mm).margin(*within_mm));
+  CHECK(verified.target_inner->max_mm == Approx(made.report.inner_error.max_mm).margin(*within_mm));
 }
 
 std::string spec_of(const std::string& surface, double angle_deg, const std::string& more = "",
@@ -191,10 +187,10 @@ TEST_CASE("a design angle that cannot be is refused with its place", "[property]
           {"surface":{"type":"revolution","radius":"50"},"units_per_slice":5,"slices":4,
           "widths_mm":8}]})j"),
              Catch::StartsWith("/patches/0/design_angle_deg: belongs to the whole"));
-  const auto spec = parse_design_spec(spec_of(R"({"type":"mesh","file":"b.stl"})", 65));
-  REQUIRE(spec);
-  const auto proposed = propose_placement(
-      *spec, {{"b.stl", testing::binary_stl(testing::sphere_mesh(60.0, 20, 20))}});
+  const auto spec =
+      testing::value(parse_design_spec(spec_of(R"({"type":"mesh","file":"b.stl"})", 65)));
+  const auto proposed =
+      propose_placement(spec, {{"b.stl", testing::binary_stl(testing::sphere_mesh(60.0, 20, 20))}});
   REQUIRE_FALSE(proposed);
   CHECK_THAT(message(proposed.error()), Catch::StartsWith("/design_angle_deg: is 65"));
 }

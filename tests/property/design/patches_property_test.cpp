@@ -13,6 +13,7 @@
 #include "core/formats/fold/fold_writer.hpp"
 #include "core/verify/verify.hpp"
 #include "tests/support/rounds.hpp"
+#include "tests/support/value.hpp"
 
 namespace patches_property_test {
 
@@ -52,9 +53,8 @@ void check_sound(const Pattern& pattern) {
   REQUIRE(write_fold(pattern, {}, fold));
   VerifyOptions options;
   options.degrees_of_freedom = 1;
-  const auto report = verify_fold(fold.str(), options);
-  if (!report) FAIL(message(report.error()));
-  if (!report->ok()) FAIL(verify_text(*report));
+  const auto report = testing::value(verify_fold(fold.str(), options));
+  if (!report.ok()) FAIL(verify_text(report));
 }
 
 /// The shortest slit, and the shortest stretch of paper between two slits of one line, mm.
@@ -90,9 +90,7 @@ TEST_CASE("regions of any units verify with one freedom and bridges between them
         R"({{"popcut":1,"regions":[{}],"lattice":"{}","min_panel_mm":{:.3f}}})",
         random_regions(random, random.real(25, 100)), random.lattice(), random.real(0.05, 0.8));
     CAPTURE(seed, k, text);
-    const auto spec = parse_design_spec(text);
-    REQUIRE(spec);
-    const auto result = design(*spec);
+    const auto result = design(testing::value(parse_design_spec(text)));
     if (!result) {
       CHECK(result.error().kind == ErrorKind::Infeasible);
       continue;
@@ -124,9 +122,7 @@ TEST_CASE("random patches verify each on its own and as one sheet", "[property][
         fmt::format(R"({{"popcut":1,"patches":[{}],"join":"{}","min_panel_mm":{:.3f}}})", patches,
                     random.whole(0, 3) == 0 ? "seam" : "auto", random.real(0.05, 0.8));
     CAPTURE(seed, k, text);
-    const auto spec = parse_design_spec(text);
-    if (!spec) FAIL(message(spec.error()));
-    const auto made = design_assembly(*spec);
+    const auto made = design_assembly(testing::value(parse_design_spec(text)));
     if (!made) {
       CHECK(made.error().kind == ErrorKind::Infeasible);
       continue;
@@ -168,14 +164,13 @@ TEST_CASE("no slit and no joint is narrower than the smallest panel", "[property
         random.real(25, 100), random.real(0, 0.6), random.real(0, 0.1), random.real(0, 6),
         random.whole(2, 30), slices, widths, random.lattice(), random.real(0.05, 0.8));
     CAPTURE(seed, k, text);
-    const auto spec = parse_design_spec(text);
-    REQUIRE(spec);
-    const auto result = design(*spec);
+    const auto spec = testing::value(parse_design_spec(text));
+    const auto result = design(spec);
     if (!result) continue;
     ++made;
     const Narrowest narrowest = narrowest_of(result->pattern);
-    CHECK(narrowest.slit_mm > spec->min_panel_mm - 1e-6);
-    CHECK(narrowest.joint_mm > spec->min_panel_mm - 1e-6);
+    CHECK(narrowest.slit_mm > spec.min_panel_mm - 1e-6);
+    CHECK(narrowest.joint_mm > spec.min_panel_mm - 1e-6);
     for (const PatternEdge& e : result->pattern.edges) {
       const PatternVertex &a = result->pattern.vertices[e.from],
                           &b = result->pattern.vertices[e.to];

@@ -15,6 +15,7 @@
 #include "tests/support/random_lattice.hpp"
 #include "tests/support/random_numbers.hpp"
 #include "tests/support/rounds.hpp"
+#include "tests/support/value.hpp"
 
 namespace soundness_property_test {
 
@@ -31,9 +32,8 @@ void check_sound(const Pattern& pattern, int freedoms = 1) {
   VerifyOptions options{.degrees_of_freedom = static_cast<std::size_t>(freedoms)};
   for (const bool quick : {false, true}) {
     options.quick = quick;
-    const auto report = verify_fold(fold.str(), options);
-    if (!report) FAIL(message(report.error()));
-    if (!report->ok()) FAIL_CHECK(verify_text(*report));
+    const auto report = testing::value(verify_fold(fold.str(), options));
+    if (!report.ok()) FAIL_CHECK(verify_text(report));
   }
 }
 
@@ -144,11 +144,8 @@ TEST_CASE("a cylinder in two regions is sound for all units beside each other",
                {{"units_per_slice":{1},"slices":{2},"width_mm":9}}]}})",
             left, right, slices);
         CAPTURE(left, right, slices);
-        const auto spec = parse_design_spec(text);
-        REQUIRE(spec);
-        const auto made = design(*spec);
-        REQUIRE(made);
-        check_sound(made->pattern);
+        const auto made = testing::value(design(testing::value(parse_design_spec(text))));
+        check_sound(made.pattern);
       }
 }
 
@@ -161,9 +158,8 @@ TEST_CASE("500 random designs are sound, and few are refused", "[property][desig
   for (int k = 0; k < specs; ++k) {
     const std::string text = any_spec(random);
     CAPTURE(seed, k, text);
-    const auto spec = parse_design_spec(text);
-    if (!spec) FAIL(message(spec.error()));
-    const auto designed = design_assembly(*spec);
+    const auto spec = testing::value(parse_design_spec(text));
+    const auto designed = design_assembly(spec);
     if (!designed) {
       CHECK(designed.error().kind == ErrorKind::Infeasible);
       ++reasons[reason_of(designed.error())], ++refused;
@@ -171,8 +167,8 @@ TEST_CASE("500 random designs are sound, and few are refused", "[property][desig
     }
     ++made;
     for (const Design& part : designed->parts) {
-      check_sound(part.pattern, spec->card ? 1 : part.report.degrees_of_freedom);
-      loose += spec->card ? 0 : 1;
+      check_sound(part.pattern, spec.card ? 1 : part.report.degrees_of_freedom);
+      loose += spec.card ? 0 : 1;
       splayed += part.pattern.v_folds.empty() ? 0 : 1;
       sheets += designed->patches.empty() ? 0 : 1;
       for (const SliceReport& slice : part.report.slices) blank += slice.blank ? 1 : 0;
@@ -199,9 +195,7 @@ TEST_CASE("random lattices pass through FOLD and verify with one freedom and no 
   for (int k = 0; k < 150; ++k) {
     const std::string text = testing::random_lattice_spec(random);
     CAPTURE(seed, k, text);
-    const auto spec = parse_design_spec(text);
-    REQUIRE(spec);
-    const auto result = design(*spec);
+    const auto result = design(testing::value(parse_design_spec(text)));
     if (!result) {  // too many units for the size: said, not made
       CHECK(result.error().kind == ErrorKind::Infeasible);
       continue;
@@ -211,10 +205,9 @@ TEST_CASE("random lattices pass through FOLD and verify with one freedom and no 
     REQUIRE(write_fold(result->pattern, {}, fold));
     VerifyOptions options;
     options.degrees_of_freedom = 1;
-    const auto report = verify_fold(fold.str(), options);
-    if (!report) FAIL(message(report.error()));
-    if (!report->ok()) FAIL(verify_text(*report));
-    CHECK(report->faces == result->report.faces);
+    const auto report = testing::value(verify_fold(fold.str(), options));
+    if (!report.ok()) FAIL(verify_text(report));
+    CHECK(report.faces == result->report.faces);
   }
   CHECK(made > 120);
 }

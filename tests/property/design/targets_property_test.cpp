@@ -15,6 +15,7 @@
 #include "tests/support/meshes.hpp"
 #include "tests/support/rounds.hpp"
 #include "tests/support/slice_distance.hpp"
+#include "tests/support/value.hpp"
 
 namespace targets_property_test {
 
@@ -42,11 +43,8 @@ struct Falling {
 };
 
 SliceCurve slice(const SurfaceSpec& spec, const SurfaceAssets& assets, double s) {
-  const auto made = Surface::make(spec, TargetPlacement{}, FitMode::Exact, assets);
-  if (!made) FAIL(message(made.error()));
-  auto cut = made->slice(s);
-  if (!cut) FAIL(message(cut.error()));
-  return *cut;
+  const auto made = value(Surface::make(spec, TargetPlacement{}, FitMode::Exact, assets));
+  return value(made.slice(s));
 }
 
 /// A noisy outline that falls on the whole.
@@ -331,10 +329,9 @@ TEST_CASE("a loft meets the curves of its stations and falls between them",
         CHECK(p.dz <= 1e-6 * curve.h());
       }
     }
-    const auto made = Surface::make(spec, {}, FitMode::Exact);
-    REQUIRE(made);
-    CHECK(made->slice(last + 1.0).error().reason == ErrorReason::Misplaced);
-    CHECK(made->slice(first - 1.0).error().kind == ErrorKind::OutOfRange);
+    const auto made = value(Surface::make(spec, {}, FitMode::Exact));
+    CHECK(made.slice(last + 1.0).error().reason == ErrorReason::Misplaced);
+    CHECK(made.slice(first - 1.0).error().kind == ErrorKind::OutOfRange);
   }
 }
 
@@ -355,9 +352,8 @@ TEST_CASE("drawn quarter circles are the circles of a revolution", "[core][targe
   const auto moved =
       Surface::make(ProfileSpec{circle(50)}, {1.0, {0, 0, 0}, {0, 0, 1e-9}}, FitMode::Exact);
   REQUIRE(moved);
-  const auto curve = moved->slice(3.0);
-  REQUIRE(curve);
-  CHECK(apart(*curve, round) < 0.05);
+  const auto curve = value(moved->slice(3.0));
+  CHECK(apart(curve, round) < 0.05);
 }
 
 }  // namespace targets_property_test

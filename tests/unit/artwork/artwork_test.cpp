@@ -23,6 +23,7 @@
 #include "core/plan/plan.hpp"
 #include "daemon/pictures/image_reader.hpp"
 #include "tests/support/painted_shell.hpp"
+#include "tests/support/value.hpp"
 
 namespace popcut {
 namespace {
@@ -43,20 +44,16 @@ Painted painted(const PaintedShell& shell, bool facets = false) {
   const auto spec =
       parse_design_spec(facets ? PaintedShell::facet_spec(40) : PaintedShell::spec(5, 9, 40));
   REQUIRE(spec);
-  auto made = design_assembly(*spec, {{"shell.obj", shell.obj()}});
-  if (!made) FAIL(message(made.error()));
-  auto mesh = read_colour_mesh("shell.obj", shell.obj(), shell.files());
-  REQUIRE(mesh);
-  REQUIRE(mesh->coloured);
-  ColourMesh model = model_on_sheet(std::move(*mesh), spec->placement, made->parts.front());
-  return {shell, std::move(*made), std::move(model)};
+  auto made = testing::value(design_assembly(*spec, {{"shell.obj", shell.obj()}}));
+  auto mesh = testing::value(read_colour_mesh("shell.obj", shell.obj(), shell.files()));
+  REQUIRE(mesh.coloured);
+  ColourMesh model = model_on_sheet(std::move(mesh), spec->placement, made.parts.front());
+  return {shell, std::move(made), std::move(model)};
 }
 
 Artwork artwork_of(const Painted& painted, const ArtworkOptions& options) {
   const Pattern* const part = &painted.pattern();
-  auto artwork = design_artwork({&part, 1}, {&painted.model, 1}, nullptr, options);
-  REQUIRE(artwork);
-  return std::move(*artwork);
+  return testing::value(design_artwork({&part, 1}, {&painted.model, 1}, nullptr, options));
 }
 
 /// The texel at (s, t) of an image that repeats, between pixels; written apart from what is tested.
@@ -132,17 +129,14 @@ struct Eye {
 
 /// The card as its preview shows it, in mm, x from the wall and z from the ground.
 ColourMesh opened(const Pattern& pattern, const Artwork& artwork, ColourImage& print) {
-  const auto png = png_of_image(on_paper(artwork.image));
-  REQUIRE(png);
+  const auto png = testing::value(png_of_image(on_paper(artwork.image)));
   const std::vector<double> angles{3.0, pattern.design_psi_rad};
-  const auto table = pose_table(pattern, angles);
-  REQUIRE(table);
+  const auto table = testing::value(pose_table(pattern, angles));
   GlbOptions how;
-  how.front = {*png, artwork.frame.left_mm, artwork.frame.top_mm,
+  how.front = {png, artwork.frame.left_mm, artwork.frame.top_mm,
                static_cast<double>(artwork.frame.width) * artwork.frame.pixel_mm,
                static_cast<double>(artwork.frame.height) * artwork.frame.pixel_mm};
-  const auto bytes = glb(pattern, *table, how);
-  REQUIRE(bytes);
+  const auto bytes = testing::value(glb(pattern, table, how));
   const ModelFiles files{
       [](const std::string&) -> Result<std::string> { return std::string(); },
       [&](const std::string& name, std::string_view packed, std::size_t) -> Result<ColourImage> {
@@ -150,15 +144,14 @@ ColourMesh opened(const Pattern& pattern, const Artwork& artwork, ColourImage& p
         if (image) print = *image;
         return image;
       }};
-  auto mesh = read_colour_mesh("preview.glb", *bytes, files);
-  if (!mesh) FAIL(message(mesh.error()));
-  for (std::size_t k = 0; k < mesh->soup.corners.size(); k += 3) {
-    const double right = mesh->soup.corners[k], up = mesh->soup.corners[k + 1],
-                 front = mesh->soup.corners[k + 2];
-    mesh->soup.corners[k] = 1000 * front, mesh->soup.corners[k + 1] = 1000 * right,
-    mesh->soup.corners[k + 2] = 1000 * up;
+  auto mesh = testing::value(read_colour_mesh("preview.glb", bytes, files));
+  for (std::size_t k = 0; k < mesh.soup.corners.size(); k += 3) {
+    const double right = mesh.soup.corners[k], up = mesh.soup.corners[k + 1],
+                 front = mesh.soup.corners[k + 2];
+    mesh.soup.corners[k] = 1000 * front, mesh.soup.corners[k + 1] = 1000 * right,
+    mesh.soup.corners[k + 2] = 1000 * up;
   }
-  return std::move(*mesh);
+  return mesh;
 }
 
 TEST_CASE("the opened card looks like the model from half way between ground and wall",
@@ -230,15 +223,14 @@ TEST_CASE("a thousand places of panels have the colour of the model's nearest po
   options.pixel_mm = 0.2;
   options.trapping = {0, 0};
   const Artwork artwork = artwork_of(card, options);
-  const auto surface = face_surface(card.pattern());
-  REQUIRE(surface);
+  const auto surface = testing::value(face_surface(card.pattern()));
   const ColourImage paint = card.shell.texture();
   std::mt19937 random(7);
   std::uniform_real_distribution<double> share(0, 1);
   int looked_at = 0, wrong = 0;
   while (looked_at < 1000) {
-    const std::size_t k = random() % surface->triangles.size();
-    const auto& c = surface->triangles[k];
+    const std::size_t k = random() % surface.triangles.size();
+    const auto& c = surface.triangles[k];
     double a = share(random), b = share(random);
     if (a + b > 1) a = 1 - a, b = 1 - b;
     const PagePoint at{
@@ -314,14 +306,13 @@ TEST_CASE("a cut that is 0.3 mm off leaves no white on any face", "[artwork]") {
     const Artwork trapped = artwork_of(card, options);
     options.trapping = {0, 0};
     Artwork plain = artwork_of(card, options);
-    const auto surface = face_surface(card.pattern());
-    REQUIRE(surface);
+    const auto surface = testing::value(face_surface(card.pattern()));
     const auto of_card = bare_card ? faces_of_card(card.pattern())
                                    : std::vector<std::uint8_t>(card.pattern().faces(), 0);
     for (const auto& [dx, dy] : {std::pair{3, 0}, {-3, 0}, {0, 3}, {0, -3}, {2, 2}, {-2, 2}}) {
       CAPTURE(dx, dy);
-      CHECK(bare_pixels(trapped, face_pixels(*surface, trapped.frame), of_card, dx, dy) == 0);
-      CHECK(bare_pixels(plain, face_pixels(*surface, plain.frame), of_card, dx, dy) > 0);
+      CHECK(bare_pixels(trapped, face_pixels(surface, trapped.frame), of_card, dx, dy) == 0);
+      CHECK(bare_pixels(plain, face_pixels(surface, plain.frame), of_card, dx, dy) > 0);
     }
   }
 }
@@ -334,9 +325,8 @@ TEST_CASE("faces that the picture of the model covers stay covered when a cut is
   const Artwork trapped = artwork_of(card, options);
   options.trapping = {0, 0};
   const Artwork plain = artwork_of(card, options);
-  const auto surface = face_surface(card.pattern());
-  REQUIRE(surface);
-  const auto face = face_pixels(*surface, trapped.frame), bare = face_pixels(*surface, plain.frame);
+  const auto surface = testing::value(face_surface(card.pattern()));
+  const auto face = face_pixels(surface, trapped.frame), bare = face_pixels(surface, plain.frame);
   std::vector<std::uint8_t> partly(card.pattern().faces(), 0);
   for (std::size_t pixel = 0; pixel < bare.size(); ++pixel)
     if (bare[pixel] != kNoFace && plain.image.rgba[4 * pixel + 3] == 0) partly[bare[pixel]] = 1;
@@ -397,30 +387,26 @@ TEST_CASE("a sloped panel is printed as the roof that it stands for", "[artwork]
         kEaveX - kBand * (k + 1) * std::cos(slope), kEaveZ + kBand * (k + 1) * std::sin(slope),
         k % 2 == 0 ? "1 0 0" : "0 0 1");
   obj += faces;
-  const auto spec = parse_design_spec(
+  const auto spec = testing::value(parse_design_spec(
       R"({"popcut": 1, "style": "facets", "surface": {"type": "mesh", "file": "h.obj"},
-          "facets": {"sloped": "kites", "pitch_mm": 10, "strip_mm": 6}})");
-  REQUIRE(spec);
-  const auto made = design_assembly(*spec, {{"h.obj", obj}});
-  if (!made) FAIL(message(made.error()));
-  const auto mesh = read_colour_mesh("h.obj", obj, {});
-  REQUIRE(mesh);
-  const ColourMesh model = model_on_sheet(*mesh, spec->placement, made->parts.front());
-  const Pattern* const part = &made->parts.front().pattern;
+          "facets": {"sloped": "kites", "pitch_mm": 10, "strip_mm": 6}})"));
+  const auto made = testing::value(design_assembly(spec, {{"h.obj", obj}}));
+  const auto mesh = testing::value(read_colour_mesh("h.obj", obj, {}));
+  const ColourMesh model = model_on_sheet(mesh, spec.placement, made.parts.front());
+  const Pattern* const part = &made.parts.front().pattern;
   REQUIRE(part->kites.size() == 1);
   ArtworkOptions options;
   options.pixel_mm = 0.2;
   options.mode = GENERATE(PrintMode::View, PrintMode::Surface);
-  const auto artwork = design_artwork({&part, 1}, {&model, 1}, nullptr, options);
-  REQUIRE(artwork);
+  const auto artwork = testing::value(design_artwork({&part, 1}, {&model, 1}, nullptr, options));
   const Kite& kite = part->kites[0];
   const double eave_u = part->wall_mm + kite.section.e.x - kite.section.e.z;
   for (int k = -1; k < kBands; ++k) {
     CAPTURE(k, slope);
     const PagePoint at =
-        artwork->frame.in_pixels({0.5 * (kite.v0_mm + kite.v1_mm), eave_u - kBand * (k + 0.5)});
-    const Colour is = artwork->image.colour(static_cast<std::size_t>(std::lround(at.x)),
-                                            static_cast<std::size_t>(std::lround(at.y)));
+        artwork.frame.in_pixels({0.5 * (kite.v0_mm + kite.v1_mm), eave_u - kBand * (k + 0.5)});
+    const Colour is = artwork.image.colour(static_cast<std::size_t>(std::lround(at.x)),
+                                           static_cast<std::size_t>(std::lround(at.y)));
     CHECK(is.r == (k >= 0 && k % 2 == 0 ? 255 : 0));
     CHECK(is.g == (k < 0 ? 255 : 0));
     CHECK(is.b == (k >= 0 && k % 2 == 1 ? 255 : 0));
@@ -431,21 +417,17 @@ TEST_CASE("a letter of facets is printed around its window, and a little into it
   const std::string obj =
       coloured_box({0, 10, 0}, {20, 20, 60}, 1) + coloured_box({0, 20, 50}, {20, 42, 60}, 9) +
       coloured_box({0, 20, 26}, {20, 42, 36}, 17) + coloured_box({0, 32, 36}, {20, 42, 50}, 25);
-  const auto spec = parse_design_spec(
-      R"({"popcut": 1, "style": "facets", "surface": {"type": "mesh", "file": "p.obj"}})");
-  REQUIRE(spec);
-  const auto made = design_assembly(*spec, {{"p.obj", obj}});
-  if (!made) FAIL(message(made.error()));
-  const auto mesh = read_colour_mesh("p.obj", obj, {});
-  if (!mesh) FAIL(message(mesh.error()));
-  REQUIRE(mesh->coloured);
-  const ColourMesh model = model_on_sheet(*mesh, spec->placement, made->parts.front());
-  const Pattern* const part = &made->parts.front().pattern;
+  const auto spec = testing::value(parse_design_spec(
+      R"({"popcut": 1, "style": "facets", "surface": {"type": "mesh", "file": "p.obj"}})"));
+  const auto made = testing::value(design_assembly(spec, {{"p.obj", obj}}));
+  const auto mesh = testing::value(read_colour_mesh("p.obj", obj, {}));
+  REQUIRE(mesh.coloured);
+  const ColourMesh model = model_on_sheet(mesh, spec.placement, made.parts.front());
+  const Pattern* const part = &made.parts.front().pattern;
   ArtworkOptions options;
   options.pixel_mm = 0.1;
   options.mode = GENERATE(PrintMode::View, PrintMode::Surface);
-  const auto artwork = design_artwork({&part, 1}, {&model, 1}, nullptr, options);
-  if (!artwork) FAIL(message(artwork.error()));
+  const auto artwork = testing::value(design_artwork({&part, 1}, {&model, 1}, nullptr, options));
   double twice_mm2 = 0;  // of the paper, by the sides of its faces
   for (std::size_t f = 0; f < part->faces(); ++f) {
     const auto face = part->face(f);
@@ -456,22 +438,22 @@ TEST_CASE("a letter of facets is printed around its window, and a little into it
     }
   }
   const auto paper = static_cast<double>(
-      std::count(artwork->on_paper.begin(), artwork->on_paper.end(), std::uint8_t{1}));
+      std::count(artwork.on_paper.begin(), artwork.on_paper.end(), std::uint8_t{1}));
   CHECK_THAT(0.01 * paper, Catch::WithinRel(0.5 * twice_mm2, 1e-3));  // pixels along the borders
   // The letter's front is 20 from the wall, and begins 10 along the spine.
   double first_v = 1e300;
   for (std::size_t k = 1; k < model.soup.corners.size(); k += 3)
     first_v = std::min(first_v, model.soup.corners[k]);
   const auto pixel_of = [&](double y, double z) {
-    const PagePoint at = artwork->frame.in_pixels({first_v + y - 10, part->wall_mm + 20 - z});
+    const PagePoint at = artwork.frame.in_pixels({first_v + y - 10, part->wall_mm + 20 - z});
     return std::array{std::lround(at.x), std::lround(at.y)};
   };
-  const auto width = static_cast<long>(artwork->frame.width);
+  const auto width = static_cast<long>(artwork.frame.width);
   const auto is_paper = [&](long i, long j) {
-    return artwork->on_paper[static_cast<std::size_t>(j * width + i)] != 0;
+    return artwork.on_paper[static_cast<std::size_t>(j * width + i)] != 0;
   };
   const auto has_ink = [&](long i, long j) {
-    return artwork->image.rgba[static_cast<std::size_t>(4 * (j * width + i) + 3)] != 0;
+    return artwork.image.rgba[static_cast<std::size_t>(4 * (j * width + i) + 3)] != 0;
   };
   const auto [middle_i, middle_j] = pixel_of(26, 43);
   CHECK(!is_paper(middle_i, middle_j));
@@ -521,9 +503,7 @@ Plan planned(const Painted& card, const std::string& mat, bool marks) {
   options.mat = mat;
   options.marks = marks;
   options.place.at = PagePoint{16, 16};
-  auto made = plan(linework_from_pattern(card.pattern()), *machine, *material, options);
-  if (!made) FAIL(message(made.error()));
-  return std::move(*made);
+  return testing::value(plan(linework_from_pattern(card.pattern()), *machine, *material, options));
 }
 
 TEST_CASE("a glue tab carries what its partner has there", "[artwork]") {
@@ -536,16 +516,15 @@ TEST_CASE("a glue tab carries what its partner has there", "[artwork]") {
   REQUIRE(plan.layout);
   REQUIRE(plan.layout->tabs.size() > 2);
   for (std::size_t s = 0; s < plan.sheets.size(); ++s) {
-    const auto raster = printed_sheet(artwork, plan, s, 0.1, {});
-    REQUIRE(raster);
+    const auto raster = testing::value(printed_sheet(artwork, plan, s, 0.1, {}));
     for (const Tab& tab : plan.layout->tabs) {
       if (plan.layout->pieces[tab.on].sheet != s) continue;
       PagePoint middle;
       for (const PagePoint& p : tab.corners) middle.x += p.x / 4, middle.y += p.y / 4;
       const PagePoint from = artwork.frame.in_pixels(middle);
-      const PagePoint to = raster->frame.in_pixels(plan.layout->pieces[tab.on].transform(middle));
+      const PagePoint to = raster.frame.in_pixels(plan.layout->pieces[tab.on].transform(middle));
       const Colour want = colour_between(artwork.image, from.x, from.y);
-      const Colour got = colour_between(raster->image, to.x, to.y);
+      const Colour got = colour_between(raster.image, to.x, to.y);
       // Half a pixel of the sheet, 0.05 mm, of a paint that changes by about 8 a millimetre.
       CHECK(got.a == 255);
       CHECK_THAT(got.r, Catch::WithinAbs(want.r, 3));
@@ -563,9 +542,8 @@ TEST_CASE("artwork that comes too near to a registration mark is refused with th
   options.pixel_mm = 0.2;
   const Artwork artwork = artwork_of(card, options);
   Plan plan = planned(card, "12x12", true);
-  const auto marks = marks_for(plan.sheets[0].area_mm);
-  REQUIRE(marks);
-  plan.sheets[0].registration = *marks;
+  const auto marks = testing::value(marks_for(plan.sheets[0].area_mm));
+  plan.sheets[0].registration = marks;
   CHECK(printed_sheet(artwork, plan, 0, 0.2, {}));
   // The paper's corner is at (16, 16), the square's at (15, 15); 0.7 mm nearer in both directions
   // it is 0.3 sqrt(2) mm away.
@@ -582,13 +560,10 @@ LayeredCard layers_of(bool small_in_front) {
   const std::string x = small_in_front ? "x" : "(95-x)";
   const std::string f = "min(sqrt((" + x + "-78)^2+(y-20)^2+(z-14)^2)-14,max(abs(" + x +
                         "-20)-6,max(abs(y-45)-36,z-52)))";
-  const auto spec = parse_design_spec(
+  const auto spec = testing::value(parse_design_spec(
       R"({"popcut":1,"name":"two","style":"layers","surface":{"type":"implicit","f":")" + f +
-      R"("},"layers":{"layers":3,"length_mm":80}})");
-  if (!spec) FAIL(message(spec.error()));
-  auto made = layered_card(*spec, {});
-  if (!made) FAIL(message(made.error()));
-  return std::move(*made);
+      R"("},"layers":{"layers":3,"length_mm":80}})"));
+  return testing::value(layered_card(spec, {}));
 }
 
 TEST_CASE("layers are printed with what of the model stands there, and pages and tabs are bare",
@@ -616,9 +591,8 @@ TEST_CASE("layers are printed with what of the model stands there, and pages and
     }
     ArtworkOptions how;
     how.pixel_mm = 0.25;
-    const auto artwork = layers_artwork(made, model, places, how);
-    if (!artwork) FAIL(message(artwork.error()));
-    const PixelFrame& frame = artwork->frame;
+    const auto artwork = testing::value(layers_artwork(made, model, places, how));
+    const PixelFrame& frame = artwork.frame;
     for (std::size_t p = 0; p < places.size(); ++p) {
       CAPTURE(small_in_front, p);
       const SheetPart& part = made.card.parts[p];
@@ -632,9 +606,9 @@ TEST_CASE("layers are printed with what of the model stands there, and pages and
           const Vec2 on_sheet{at.y - places[p].box.y0 + left, at.x - places[p].box.x0 + low};
           const Box& box = places[p].box;
           if (at.x < box.x0 || at.x > box.x1 || at.y < box.y0 || at.y > box.y1) continue;
-          const Colour colour = artwork->image.colour(i, j);
+          const Colour colour = artwork.image.colour(i, j);
           if (colour.a < 128) continue;
-          const bool is_paper = artwork->on_paper[j * frame.width + i] != 0;
+          const bool is_paper = artwork.on_paper[j * frame.width + i] != 0;
           if (p == 0 || (is_paper && on_sheet.y() < -1.0)) ++on_tabs;
           // u runs to the right on the printed side, which looks to the front.
           if (std::abs(on_sheet.x()) < 2.0) continue;
@@ -647,7 +621,7 @@ TEST_CASE("layers are printed with what of the model stands there, and pages and
       if (p == 0) continue;
       CHECK(red + green > 1000);
     }
-    const ColourMesh card = standing_layers(made, places, *artwork);
+    const ColourMesh card = standing_layers(made, places, artwork);
     CHECK(card.size() > 25);
     CHECK(card.st.size() == 3 * card.size());
     how.mode = PrintMode::Lines;
@@ -666,9 +640,8 @@ TEST_CASE("boxes are printed with the colours of the model's sides, windows too,
   const auto spec =
       parse_design_spec(R"({"popcut":1,"style":"boxes","surface":{"type":"mesh","file":"a.obj"}})");
   if (!spec) FAIL(message(spec.error()));
-  const auto made = boxed_card(*spec, {{"a.obj", obj}});
-  if (!made) FAIL(message(made.error()));
-  ColourMesh model = clay_on_card(*made);
+  const auto made = testing::value(boxed_card(*spec, {{"a.obj", obj}}));
+  ColourMesh model = clay_on_card(made);
   // The roof red, the window blue, all else green.
   model.surfacings = {{{0, 255, 0, 255}}, {{255, 0, 0, 255}}, {{0, 0, 255, 255}}};
   double window_x = 0.0;
@@ -683,7 +656,7 @@ TEST_CASE("boxes are printed with the colours of the model's sides, windows too,
   CHECK(window_x > 15.5);
   std::vector<DrawnPart> places;
   double x = 0.0;
-  for (const SheetPart& part : made->card.parts) {
+  for (const SheetPart& part : made.card.parts) {
     Eigen::AlignedBox2d box;
     for (const Vec2& p : part.vertices) box.extend(p);
     places.push_back({part.name, {x, 0.0, x + box.sizes().y(), box.sizes().x()}});
@@ -692,17 +665,16 @@ TEST_CASE("boxes are printed with the colours of the model's sides, windows too,
   ArtworkOptions how;
   how.pixel_mm = 0.25;
   how.trapping = {0.0, 0.0};
-  const auto artwork = boxes_artwork(*made, model, places, how);
-  if (!artwork) FAIL(message(artwork.error()));
+  const auto artwork = testing::value(boxes_artwork(made, model, places, how));
   std::array<std::array<std::size_t, 4>, 4> pixels{};  // red, green, blue, bare; of each part
-  for (std::size_t j = 0; j < artwork->frame.height; ++j)
-    for (std::size_t i = 0; i < artwork->frame.width; ++i) {
-      const PagePoint at = artwork->frame.middle(i, j);
-      if (artwork->on_paper[j * artwork->frame.width + i] == 0) continue;
+  for (std::size_t j = 0; j < artwork.frame.height; ++j)
+    for (std::size_t i = 0; i < artwork.frame.width; ++i) {
+      const PagePoint at = artwork.frame.middle(i, j);
+      if (artwork.on_paper[j * artwork.frame.width + i] == 0) continue;
       for (std::size_t p = 0; p < places.size(); ++p) {
         const Box& box = places[p].box;
         if (at.x < box.x0 || at.x > box.x1 || at.y < box.y0 || at.y > box.y1) continue;
-        const Colour colour = artwork->image.colour(i, j);
+        const Colour colour = artwork.image.colour(i, j);
         ++pixels[p][colour.a < 128 ? 3 : colour.r > 128 ? 0 : colour.g > 128 ? 1 : 2];
       }
     }
@@ -716,11 +688,11 @@ TEST_CASE("boxes are printed with the colours of the model's sides, windows too,
   CHECK(mm2(1, 1) == Approx(180.0 * 40.0 - 400.0).epsilon(0.05));  // the walls
   CHECK(mm2(2, 0) == Approx(30.0 * 60.0).epsilon(0.05));           // the roof
   CHECK(mm2(1, 3) > 100.0);                                        // tabs
-  const ColourMesh card = standing_boxes(*made, places, *artwork);
+  const ColourMesh card = standing_boxes(made, places, artwork);
   CHECK(card.size() == 22);  // two pages and nine panels, without tabs
   CHECK(card.st.size() == 3 * card.size());
   how.mode = PrintMode::Flat;
-  CHECK_FALSE(boxes_artwork(*made, model, places, how));
+  CHECK_FALSE(boxes_artwork(made, model, places, how));
 }
 
 }  // namespace

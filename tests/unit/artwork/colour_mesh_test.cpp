@@ -17,6 +17,7 @@
 #include "daemon/pictures/pdf_page.hpp"
 #include "tests/support/growth.hpp"
 #include "tests/support/painted_shell.hpp"
+#include "tests/support/value.hpp"
 
 namespace popcut {
 namespace {
@@ -38,19 +39,16 @@ std::string small_png() {
   ColourImage image(2, 2);  // red, green above blue, yellow
   image.set(0, 0, {255, 0, 0, 255}), image.set(1, 0, {0, 255, 0, 255});
   image.set(0, 1, {0, 0, 255, 255}), image.set(1, 1, {255, 255, 0, 255});
-  const auto png = png_of_image(image);
-  REQUIRE(png);
-  return *png;
+  return testing::value(png_of_image(image));
 }
 
 TEST_CASE("the mean colours of triangles are those of their pictures and materials", "[artwork]") {
-  const auto mesh = read_colour_mesh(
+  const auto mesh = testing::value(read_colour_mesh(
       "quad.obj",
       "mtllib a.mtl\n" + kQuad + "usemtl skin\nf 1/1 2/2 3/3 4/4\nusemtl blue\nf 1 3 4\n",
       files_of({{"a.mtl", "newmtl skin\nmap_Kd skin.png\nnewmtl blue\nKd 0 0.2 1\n"},
-                {"skin.png", small_png()}}));
-  if (!mesh) FAIL(message(mesh.error()));
-  const auto means = mean_colours(*mesh, 3);
+                {"skin.png", small_png()}})));
+  const auto means = mean_colours(mesh, 3);
   REQUIRE(means.size() == 3);
   // Two pixels of four are red, two green; one is blue.
   for (std::size_t t = 0; t < 2; ++t) {
@@ -60,26 +58,24 @@ TEST_CASE("the mean colours of triangles are those of their pictures and materia
     CHECK(std::abs(means[t][2] - 64) < 65);
   }
   CHECK(means[2] == std::array<std::uint8_t, 3>{0, 51, 255});
-  CHECK(mean_colours(*mesh, 4).empty());
-  const auto clay = read_colour_mesh("quad.obj", kQuad + "f 1 2 3\n", files_of({}));
-  REQUIRE(clay);
-  CHECK(mean_colours(*clay, 1).empty());
+  CHECK(mean_colours(mesh, 4).empty());
+  const auto clay = testing::value(read_colour_mesh("quad.obj", kQuad + "f 1 2 3\n", files_of({})));
+  CHECK(mean_colours(clay, 1).empty());
 }
 
 TEST_CASE("an OBJ takes its colours from its MTL, with v upward in the picture", "[artwork]") {
-  const auto mesh = read_colour_mesh(
+  const auto mesh = testing::value(read_colour_mesh(
       "quad.obj", "mtllib a b.mtl\n" + kQuad + "usemtl skin\nf 1/1 2/2 3/3 4/4\n",
       files_of({{"a b.mtl", "newmtl skin\nKd 1 0.5 1\nmap_Kd -s 1 1 1 -clamp on the skin.png\n"},
-                {"the skin.png", small_png()}}));
-  if (!mesh) FAIL(message(mesh.error()));
-  REQUIRE(mesh->size() == 2);
-  CHECK(mesh->coloured);
+                {"the skin.png", small_png()}})));
+  REQUIRE(mesh.size() == 2);
+  CHECK(mesh.coloured);
   // Near corner 1 of the quad: the picture's lower left pixel, times Kd.
-  const Colour low_left = colour_of(*mesh, 0, {0.75, 0, 0.25}, 1);
+  const Colour low_left = colour_of(mesh, 0, {0.75, 0, 0.25}, 1);
   CHECK(low_left.b == Approx(255).margin(1));
   CHECK(low_left.r == Approx(0).margin(1));
   // Near corner 2 is the lower right one: yellow, its green halved.
-  const Colour low_right = colour_of(*mesh, 0, {0.25, 0.5, 0.25}, 1);
+  const Colour low_right = colour_of(mesh, 0, {0.25, 0.5, 0.25}, 1);
   CHECK(low_right.r == Approx(255).margin(1));
   CHECK(low_right.g == Approx(127.5).margin(1));
 }
@@ -93,22 +89,22 @@ TEST_CASE("an OBJ may name several MTL files, in quotes or not, and name one twi
     opened += bytes ? 1 : 0;
     return bytes;
   };
-  const auto mesh = read_colour_mesh("two.obj",
-                                     "mtllib a.mtl \"b c.mtl\"\nmtllib .\\x\\..\\.//a.mtl\n" +
-                                         kQuad + "usemtl one\nf 1 2 3\nusemtl two\nf 1 3 4\n",
-                                     files);
-  if (!mesh) FAIL(message(mesh.error()));
-  CHECK(colour_of(*mesh, 0, {0.4, 0.3, 0.3}, 1).r == Approx(255).margin(1));
-  CHECK(colour_of(*mesh, 1, {0.4, 0.3, 0.3}, 1).g == Approx(255).margin(1));
+  const auto mesh =
+      testing::value(read_colour_mesh("two.obj",
+                                      "mtllib a.mtl \"b c.mtl\"\nmtllib .\\x\\..\\.//a.mtl\n" +
+                                          kQuad + "usemtl one\nf 1 2 3\nusemtl two\nf 1 3 4\n",
+                                      files));
+  CHECK(colour_of(mesh, 0, {0.4, 0.3, 0.3}, 1).r == Approx(255).margin(1));
+  CHECK(colour_of(mesh, 1, {0.4, 0.3, 0.3}, 1).g == Approx(255).margin(1));
   CHECK(opened == 2);
 }
 
 TEST_CASE("colours of an MTL may go to 255", "[artwork]") {
   const auto red = [](const std::string& kd) {
-    const auto mesh = read_colour_mesh("m.obj", "mtllib a.mtl\n" + kQuad + "usemtl a\nf 1 2 3\n",
-                                       files_of({{"a.mtl", "newmtl a\nKd " + kd + "\n"}}));
-    if (!mesh) FAIL(message(mesh.error()));
-    return colour_of(*mesh, 0, {0.4, 0.3, 0.3}, 1).r;
+    const auto mesh =
+        testing::value(read_colour_mesh("m.obj", "mtllib a.mtl\n" + kQuad + "usemtl a\nf 1 2 3\n",
+                                        files_of({{"a.mtl", "newmtl a\nKd " + kd + "\n"}})));
+    return colour_of(mesh, 0, {0.4, 0.3, 0.3}, 1).r;
   };
   CHECK(red("200 150 100") == Approx(200).margin(1));
   CHECK(red("0 0 255") == Approx(0).margin(1));
@@ -117,10 +113,10 @@ TEST_CASE("colours of an MTL may go to 255", "[artwork]") {
 
 TEST_CASE("a black material of an MTL shows what it gives off itself", "[artwork]") {
   const auto colour = [](const std::string& lines) {
-    const auto mesh = read_colour_mesh("m.obj", "mtllib a.mtl\n" + kQuad + "usemtl a\nf 1 2 3\n",
-                                       files_of({{"a.mtl", "newmtl a\n" + lines}}));
-    if (!mesh) FAIL(message(mesh.error()));
-    const Colour c = colour_of(*mesh, 0, {0.4, 0.3, 0.3}, 1);
+    const auto mesh =
+        testing::value(read_colour_mesh("m.obj", "mtllib a.mtl\n" + kQuad + "usemtl a\nf 1 2 3\n",
+                                        files_of({{"a.mtl", "newmtl a\n" + lines}})));
+    const Colour c = colour_of(mesh, 0, {0.4, 0.3, 0.3}, 1);
     return fmt::format("{:.0f} {:.0f} {:.0f}", c.r, c.g, c.b);
   };
   CHECK(colour("Kd 0 0 0\nKe 1 0 0\n") == "255 0 0");
@@ -137,14 +133,14 @@ TEST_CASE("comments, keys of either case and options of an MTL are read", "[artw
        "skin.png # "
        "it\nnewmtl low\nmap_Kd -clamp on -o 0 -1 skin.png\nnewmtl clear\nd 0\n"},
       {"skin.png", small_png()}};
-  const auto mesh = read_colour_mesh("q.obj",
-                                     "mtllib a.mtl # colours\n" + kQuad +
-                                         "usemtl one # it\nf 1 2 3\nUsemtl two\nf 1/1 1/1 1/1\n"
-                                         "usemtl low\nf 1/1 1/1 1/1\nusemtl clear\nf 1 3 4\n",
-                                     files_of(files));
-  if (!mesh) FAIL(message(mesh.error()));
-  REQUIRE(mesh->size() == 3);  // nothing is seen of the last one
-  const auto at = [&](std::size_t t) { return colour_of(*mesh, t, {0.4, 0.3, 0.3}, 1); };
+  const auto mesh =
+      testing::value(read_colour_mesh("q.obj",
+                                      "mtllib a.mtl # colours\n" + kQuad +
+                                          "usemtl one # it\nf 1 2 3\nUsemtl two\nf 1/1 1/1 1/1\n"
+                                          "usemtl low\nf 1/1 1/1 1/1\nusemtl clear\nf 1 3 4\n",
+                                      files_of(files)));
+  REQUIRE(mesh.size() == 3);  // nothing is seen of the last one
+  const auto at = [&](std::size_t t) { return colour_of(mesh, t, {0.4, 0.3, 0.3}, 1); };
   CHECK(at(0).r == Approx(255).margin(1));
   CHECK(at(0).g == Approx(0).margin(1));
   // (0, 0) is moved to (0.5, 0.25): between the lower pixels, blue and yellow.
@@ -157,12 +153,11 @@ TEST_CASE("comments, keys of either case and options of an MTL are read", "[artw
 
 TEST_CASE("colours of vertices may have a weight before them, or alpha behind them", "[artwork]") {
   const auto red = [](const std::string& colour) {
-    const auto mesh = read_colour_mesh(
+    const auto mesh = testing::value(read_colour_mesh(
         "tri.obj",
         "v 0 0 0 " + colour + "\nv 1 0 0 " + colour + "\nv 0 1 0 " + colour + "\nf 1 2 3\n",
-        files_of({}));
-    if (!mesh) FAIL(message(mesh.error()));
-    return colour_of(*mesh, 0, {0.4, 0.3, 0.3}, 1).r;
+        files_of({})));
+    return colour_of(mesh, 0, {0.4, 0.3, 0.3}, 1).r;
   };
   CHECK(red("0.2 0.4 0.6 1") == Approx(51).margin(1));
   CHECK(red("51 102 153 255") == Approx(51).margin(1));
@@ -183,11 +178,10 @@ TEST_CASE("a picture is mirrored or ends beyond its borders, in each direction",
 }
 
 TEST_CASE("colours of vertices from 0 to 255 are read as such", "[artwork]") {
-  const auto mesh = read_colour_mesh(
+  const auto mesh = testing::value(read_colour_mesh(
       "tri.obj", "v 0 0 0 200 150 100\nv 1 0 0 200 150 100\nv 0 1 0 200 150 100\nf 1 2 3\n",
-      files_of({}));
-  if (!mesh) FAIL(message(mesh.error()));
-  const Colour colour = colour_of(*mesh, 0, {0.4, 0.3, 0.3}, 1);
+      files_of({})));
+  const Colour colour = colour_of(mesh, 0, {0.4, 0.3, 0.3}, 1);
   CHECK(colour.r == Approx(200).margin(1));
   CHECK(colour.g == Approx(150).margin(1));
   CHECK(colour.b == Approx(100).margin(1));
@@ -207,10 +201,10 @@ TEST_CASE("KHR_texture_transform moves the places of a texture", "[artwork]") {
   const std::vector<float> numbers{0, 0, 0, 1, 0, 0, 0, 1, 0, 0.25, 0.25, 0.25, 0.25, 0.25, 0.25};
   const std::string buffer(reinterpret_cast<const char*>(numbers.data()), 60);
   const auto colour = [&](const std::string& transform) {
-    const auto mesh = read_colour_mesh("q.gltf", head + transform + "}}}]}",
-                                       files_of({{"q.bin", buffer}, {"skin.png", small_png()}}));
-    if (!mesh) FAIL(message(mesh.error()));
-    return colour_of(*mesh, 0, {0.4, 0.3, 0.3}, 1);
+    const auto mesh =
+        testing::value(read_colour_mesh("q.gltf", head + transform + "}}}]}",
+                                        files_of({{"q.bin", buffer}, {"skin.png", small_png()}})));
+    return colour_of(mesh, 0, {0.4, 0.3, 0.3}, 1);
   };
   const auto moved = [&](const std::string& by) {
     return colour(R"(, "extensions": {"KHR_texture_transform": {)" + by + "}}");
@@ -259,12 +253,11 @@ TEST_CASE("a glTF material shows what it gives off itself", "[artwork]") {
 TEST_CASE("faces of an OBJ that have no place in a picture have the colour of their material",
           "[artwork]") {
   const auto colour = [](const std::string& face) {
-    const auto mesh = read_colour_mesh(
+    const auto mesh = testing::value(read_colour_mesh(
         "q.obj", "mtllib m.mtl\n" + kQuad + "usemtl skin\n" + face + "\nf 1/1 2/2 3/3\n",
-        files_of({{"m.mtl", "newmtl skin\nKd 1 1 0\nmap_Kd t.png\n"}, {"t.png", small_png()}}));
-    if (!mesh) FAIL(message(mesh.error()));
-    CHECK(colour_of(*mesh, 1, {0.75, 0, 0.25}, 1).r == Approx(0).margin(1));  // in the picture
-    return colour_of(*mesh, 0, {0.4, 0.3, 0.3}, 1);
+        files_of({{"m.mtl", "newmtl skin\nKd 1 1 0\nmap_Kd t.png\n"}, {"t.png", small_png()}})));
+    CHECK(colour_of(mesh, 1, {0.75, 0, 0.25}, 1).r == Approx(0).margin(1));  // in the picture
+    return colour_of(mesh, 0, {0.4, 0.3, 0.3}, 1);
   };
   for (const char* face : {"f 1 2 3", "f 1//1 2//1 3//1", "f 1/1 2/2 3"}) {
     CAPTURE(face);
@@ -314,24 +307,22 @@ TEST_CASE("colours of a glTF that its meshes or samplers do not give are refused
 }
 
 TEST_CASE("colours after the vertices of an OBJ are read", "[artwork]") {
-  const auto mesh = read_colour_mesh(
-      "tri.obj", "v 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 0 1 0 0 0 1\nf 1 2 3\n", files_of({}));
-  REQUIRE(mesh);
-  CHECK(mesh->coloured);
-  const Colour middle = colour_of(*mesh, 0, {1 / 3.0, 1 / 3.0, 1 / 3.0}, 0);
+  const auto mesh = testing::value(read_colour_mesh(
+      "tri.obj", "v 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 0 1 0 0 0 1\nf 1 2 3\n", files_of({})));
+  CHECK(mesh.coloured);
+  const Colour middle = colour_of(mesh, 0, {1 / 3.0, 1 / 3.0, 1 / 3.0}, 0);
   CHECK(middle.r == Approx(85).margin(0.5));
   CHECK(middle.g == Approx(85).margin(0.5));
 }
 
 TEST_CASE("a model without colours is clay, and so is one of which they are not wanted",
           "[artwork]") {
-  const auto plain = read_colour_mesh("quad.obj", kQuad + "f 1 2 3 4\n", files_of({}));
-  REQUIRE(plain);
-  CHECK_FALSE(plain->coloured);
-  const auto unwanted = read_colour_mesh(
-      "quad.obj", "mtllib absent.mtl\n" + kQuad + "usemtl x\nf 1 2 3 4\n", files_of({}), false);
-  REQUIRE(unwanted);
-  CHECK_FALSE(unwanted->coloured);
+  const auto plain =
+      testing::value(read_colour_mesh("quad.obj", kQuad + "f 1 2 3 4\n", files_of({})));
+  CHECK_FALSE(plain.coloured);
+  const auto unwanted = testing::value(read_colour_mesh(
+      "quad.obj", "mtllib absent.mtl\n" + kQuad + "usemtl x\nf 1 2 3 4\n", files_of({}), false));
+  CHECK_FALSE(unwanted.coloured);
 }
 
 TEST_CASE("what a model names and cannot be read is one error with its place", "[artwork]") {
@@ -402,9 +393,8 @@ TEST_CASE("a picture of a glTF that reaches beyond its buffer is refused", "[art
                     36 + png.size(), picture_bytes),
         files_of({{"b.bin", places + png}}));
   };
-  const auto whole = read(png.size());
-  if (!whole) FAIL(message(whole.error()));
-  CHECK(whole->textures.size() == 1);
+  const auto whole = testing::value(read(png.size()));
+  CHECK(whole.textures.size() == 1);
   const auto beyond = read(png.size() + 1);
   REQUIRE(!beyond);
   CHECK(message(beyond.error()) ==

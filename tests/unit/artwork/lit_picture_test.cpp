@@ -15,6 +15,7 @@
 #include "core/artwork/standing_print.hpp"
 #include "core/design/patches.hpp"
 #include "tests/support/painted_shell.hpp"
+#include "tests/support/value.hpp"
 
 namespace lit_picture_test {
 
@@ -109,20 +110,16 @@ struct Printed {
 
   explicit Printed(const std::string& spec_text) {
     const PaintedShell shell = testing::painted_shells()[0];
-    const auto spec = parse_design_spec(spec_text);
-    REQUIRE(spec);
-    auto assembly = design_assembly(*spec, {{"shell.obj", shell.obj()}});
-    if (!assembly) FAIL(message(assembly.error()));
-    made = std::move(*assembly);
-    const auto mesh = read_colour_mesh("shell.obj", shell.obj(), shell.files());
-    REQUIRE(mesh);
+    const auto spec = testing::value(parse_design_spec(spec_text));
+    auto assembly = testing::value(design_assembly(spec, {{"shell.obj", shell.obj()}}));
+    made = std::move(assembly);
+    const auto mesh = testing::value(read_colour_mesh("shell.obj", shell.obj(), shell.files()));
     for (const Design& part : made.parts)
-      models.push_back(model_on_sheet(*mesh, spec->placement, part));
+      models.push_back(model_on_sheet(mesh, spec.placement, part));
     ArtworkOptions options;
     options.pixel_mm = 0.25;
-    auto drawn = design_artwork(parts(), models, nullptr, options);
-    REQUIRE(drawn);
-    artwork = std::move(*drawn);
+    auto drawn = testing::value(design_artwork(parts(), models, nullptr, options));
+    artwork = std::move(drawn);
   }
 
   [[nodiscard]] std::vector<const Pattern*> parts() const {
@@ -137,15 +134,14 @@ struct Printed {
 TEST_CASE("a printed card that stands opened looks like its model from the diagonal", "[artwork]") {
   const Printed card(PaintedShell::spec(5, 9, 40));
   const auto parts = card.parts();
-  const auto print = standing_print(parts, PartsStand::InRow, card.artwork);
-  REQUIRE(print);
+  const auto print = testing::value(standing_print(parts, PartsStand::InRow, card.artwork));
   // Both in one picture of the same frame: the card's box has the model in it.
   PictureLook look;
   look.shade = 0;
   look.width_px = look.height_px = 200;
   ColourMesh model = standing_models(parts, PartsStand::InRow, card.models);
   REQUIRE(model.size() == card.models[0].size());
-  ColourMesh wall = *print;
+  ColourMesh wall = print;
   for (std::size_t k = 0; k < wall.soup.corners.size(); k += 3) {
     // All of it along the diagonal into a plane behind the model: the same frame, and no card.
     const double across = 0.5 * (wall.soup.corners[k] - wall.soup.corners[k + 2]);
@@ -161,7 +157,7 @@ TEST_CASE("a printed card that stands opened looks like its model from the diago
   wall.st.resize(3 * before);
   wall.st.insert(wall.st.end(), model.st.begin(), model.st.end());
   for (const std::uint32_t k : model.surfacing_of) wall.surfacing_of.push_back(k + own);
-  const ColourImage of_card = lit_picture(*print, look), of_model = lit_picture(wall, look);
+  const ColourImage of_card = lit_picture(print, look), of_model = lit_picture(wall, look);
   double squares = 0;
   int seen = 0;
   for (std::size_t j = 1; j + 1 < 200; ++j)
@@ -185,8 +181,7 @@ TEST_CASE("the cards of a printed book stand around the spine, each in its own q
       "book": {"cards": 4}})");
   const auto parts = book.parts();
   REQUIRE(parts.size() == 4);
-  const auto print = standing_print(parts, PartsStand::Around, book.artwork);
-  REQUIRE(print);
+  const auto print = testing::value(standing_print(parts, PartsStand::Around, book.artwork));
   constexpr std::array<std::array<double, 2>, 4> kSigns{{{1, 1}, {-1, 1}, {-1, -1}, {1, -1}}};
   std::size_t t = 0;
   for (std::size_t k = 0; k < 4; ++k) {
@@ -195,9 +190,9 @@ TEST_CASE("the cards of a printed book stand around the spine, each in its own q
     double farthest = 0;
     const std::size_t first = t;
     // A card's triangles come one after the other: all that lie in its quarter.
-    for (; t < print->size(); ++t) {
+    for (; t < print.size(); ++t) {
       const Vec3 middle =
-          (print->soup.corner(t, 0) + print->soup.corner(t, 1) + print->soup.corner(t, 2)) / 3;
+          (print.soup.corner(t, 0) + print.soup.corner(t, 1) + print.soup.corner(t, 2)) / 3;
       if (kSigns[k][0] * middle[0] < -1e-9 || kSigns[k][1] * middle[2] < -1e-9) break;
       farthest = std::max(farthest, std::hypot(middle[0], middle[2]));
     }
@@ -206,7 +201,7 @@ TEST_CASE("the cards of a printed book stand around the spine, each in its own q
     CHECK(t - first <= corners);
     CHECK(farthest > 20);
   }
-  CHECK(t == print->size());
+  CHECK(t == print.size());
 }
 
 }  // namespace lit_picture_test

@@ -9,6 +9,7 @@
 #include "core/design/shape_fit.hpp"
 #include "core/fit/fit.hpp"
 #include "core/verify/target/target.hpp"
+#include "tests/support/value.hpp"
 
 namespace spec_surface_test {
 
@@ -38,23 +39,19 @@ TEST_CASE("the verifier's triangles of a surface are those of the designer", "[c
         R"({"popcut":1,"units_per_slice":4,"slices":8,"widths_mm":8,"scale_mm":10,"surface":)" +
         surface + "}";
     CAPTURE(spec_text);
-    const auto spec = parse_design_spec(spec_text);
-    REQUIRE(spec);
-    const auto made = design(*spec, {});
-    REQUIRE(made);
+    const auto made = testing::value(design(testing::value(parse_design_spec(spec_text)), {}));
     std::vector<double> s_mm;
-    for (const SliceReport& slice : made->report.slices) s_mm.push_back(slice.s_mm);
-    const SpineMap along(made->strips, s_mm);
-    const TriangleSoup theirs = target_triangles(made->strips, along, made->report, made->target);
-    const auto target = verify::read_target(spec_text);
-    REQUIRE(target);
+    for (const SliceReport& slice : made.report.slices) s_mm.push_back(slice.s_mm);
+    const SpineMap along(made.strips, s_mm);
+    const TriangleSoup theirs = target_triangles(made.strips, along, made.report, made.target);
+    const auto target = testing::value(verify::read_target(spec_text));
     double from = INFINITY, to = -INFINITY, x = 0.0, z = 0.0;
     for (std::size_t k = 0; k < theirs.corners.size(); k += 3) {
       from = std::min(from, theirs.corners[k + 1]), to = std::max(to, theirs.corners[k + 1]);
       x = std::max(x, theirs.corners[k]), z = std::max(z, theirs.corners[k + 2]);
     }
     TriangleMesh triangles;
-    target->surface->add_triangles({from, to, x, z}, triangles);
+    target.surface->add_triangles({from, to, x, z}, triangles);
     const TriangleSoup ours = soup_of(triangles);
     CHECK_THAT(area_of(ours), WithinRel(area_of(theirs), 0.01));
     const FitTarget aim(theirs);

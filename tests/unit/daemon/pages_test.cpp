@@ -18,6 +18,7 @@
 #include "daemon/pictures/pdf_page.hpp"
 #include "tests/support/box_card.hpp"
 #include "tests/support/small_pdf.hpp"
+#include "tests/support/value.hpp"
 
 namespace pages_test {
 
@@ -66,26 +67,23 @@ TEST_CASE("a footer stays within its place at every width", "[core][print]") {
 
 TEST_CASE("a pattern's page is the sheet at true scale within its margins", "[core][print]") {
   const Pattern pattern = testing::row_of_boxes(3);
-  const auto pages = pattern_pages(pattern);
-  REQUIRE(pages);
-  REQUIRE(pages->size() == 1);
-  CHECK(pages->front().width_mm == Approx(210 + 2 * kPrintSideMm));
-  CHECK(pages->front().height_mm == Approx(70 + kPrintSideMm + kPrintFooterMm));
-  CHECK(pages->front().margin_mm == 0.0);
-  const auto pdf = pdf_of_pages(*pages, pattern.name);
-  REQUIRE(pdf);
-  CHECK(pdf->rfind("%PDF-", 0) == 0);
-  CHECK(*pdf_of_pages(*pages, pattern.name) == *pdf);
-  CHECK(pdf->find("CreationDate") == std::string::npos);
+  const auto pages = testing::value(pattern_pages(pattern));
+  REQUIRE(pages.size() == 1);
+  CHECK(pages.front().width_mm == Approx(210 + 2 * kPrintSideMm));
+  CHECK(pages.front().height_mm == Approx(70 + kPrintSideMm + kPrintFooterMm));
+  CHECK(pages.front().margin_mm == 0.0);
+  const auto pdf = testing::value(pdf_of_pages(pages, pattern.name));
+  CHECK(pdf.rfind("%PDF-", 0) == 0);
+  CHECK(*pdf_of_pages(pages, pattern.name) == pdf);
+  CHECK(pdf.find("CreationDate") == std::string::npos);
 }
 
 TEST_CASE("nothing below a drawing touches it at any size of paper", "[core][print]") {
   for (const int boxes : {1, 2, 5}) {
     const Pattern pattern = testing::row_of_boxes(boxes);
-    const auto pages = pattern_pages(pattern);
-    REQUIRE(pages);
+    const auto pages = testing::value(pattern_pages(pattern));
     pugi::xml_document document;
-    REQUIRE(document.load_string(pages->front().svg.c_str()));
+    REQUIRE(document.load_string(pages.front().svg.c_str()));
     const double lowest = kPrintSideMm + 70;  // of the drawing
     int below = 0;
     for (const auto& found : document.select_nodes("/svg/g/text")) {
@@ -116,9 +114,8 @@ TEST_CASE("each fold of a page has two dashes or more", "[core][print]") {
   CHECK(legend_entry(Operation::FoldValley).style.find("\"3 1.5\"") != std::string::npos);
   Pattern card = testing::box_card_pattern();
   card.lines.push_back({5, 5, 5, 7, EdgeRole::Mountain});
-  const auto pages = pattern_pages(card);
-  REQUIRE(pages);
-  CHECK(pages->front().svg.find("stroke-dasharray=\"0.5 0.5\"") != std::string::npos);
+  const auto pages = testing::value(pattern_pages(card));
+  CHECK(pages.front().svg.find("stroke-dasharray=\"0.5 0.5\"") != std::string::npos);
 }
 
 TEST_CASE("a sheet larger than a PDF page is refused by name", "[core][print]") {
@@ -137,9 +134,8 @@ TEST_CASE("a name with any bytes gives a valid page", "[core][print]") {
         std::string(119, 'a') + "\xe2\x99\xa5", std::string()}) {
     CAPTURE(name);
     pattern.name = name;
-    const auto pages = pattern_pages(pattern);
-    REQUIRE(pages);
-    CHECK(pdf_of_pages(*pages, name));
+    const auto pages = testing::value(pattern_pages(pattern));
+    CHECK(pdf_of_pages(pages, name));
   }
 }
 
@@ -174,22 +170,20 @@ TEST_CASE("a page of a PDF is a drawing of its size, with its layers by name", "
       "1 1 1 rg 0 0 288 288 re f 0 g BT /F 24 Tf 100 100 Td (Hello) Tj ET";
   const std::string pdf =
       testing::small_pdf({page}, {"Cut & out", "Inner \"Cut\"", "Valley Fold", "Notes"}, {3});
-  const auto read = pictures::pdf_page(pdf, 1);
-  REQUIRE(read);
+  const auto read = testing::value(pictures::pdf_page(pdf, 1));
   for (const char* name : {"Cut &amp; out", "Inner &quot;Cut&quot;", "Valley Fold"})
-    CHECK(read->svg.find(fmt::format("inkscape:label=\"{}\"", name)) != std::string::npos);
-  CHECK(read->svg.find("Notes") == std::string::npos);
-  REQUIRE(read->warnings.size() == 2);
-  CHECK(read->warnings[0].message.find("5 letters of text are left out") == 0);
-  CHECK(read->warnings[1].message.find("1 white area is left out") == 0);
+    CHECK(read.svg.find(fmt::format("inkscape:label=\"{}\"", name)) != std::string::npos);
+  CHECK(read.svg.find("Notes") == std::string::npos);
+  REQUIRE(read.warnings.size() == 2);
+  CHECK(read.warnings[0].message.find("5 letters of text are left out") == 0);
+  CHECK(read.warnings[1].message.find("1 white area is left out") == 0);
   SvgReadOptions how;
   how.profile = find_stroke_profile("auto").value();
-  const auto drawn = linework_from_svg(read->svg, how);
-  REQUIRE(drawn);
-  const auto [cut_mm, fold_mm] = cut_and_fold_mm(*drawn);
+  const auto drawn = testing::value(linework_from_svg(read.svg, how));
+  const auto [cut_mm, fold_mm] = cut_and_fold_mm(drawn);
   CHECK(cut_mm == Approx((4 * 144 + 4 * 36) * 25.4 / 72).margin(0.01));
   CHECK(fold_mm == Approx(144 * 25.4 / 72).margin(0.005));
-  const Box box = bounds(*drawn);
+  const Box box = bounds(drawn);
   CHECK(box.x0 == Approx(25.4).margin(0.002));
   CHECK(box.y1 == Approx(3 * 25.4).margin(0.002));
 }
@@ -198,12 +192,11 @@ TEST_CASE("what popcut prints as PDF is read again with the same lengths", "[pic
   const std::string svg =
       "<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 180 120'><path fill='none' "
       "stroke='#000' stroke-width='.3' d='M10 10H150V90.37H10ZM20 20C40 0 60 80 90 33'/></svg>";
-  const auto pdf = pdf_of_pages(std::vector<PrintedPage>{{svg, 210, 150, 15}}, "a page");
-  REQUIRE(pdf);
-  const auto read = pictures::pdf_page(*pdf, 1);
-  REQUIRE(read);
+  const auto pdf =
+      testing::value(pdf_of_pages(std::vector<PrintedPage>{{svg, 210, 150, 15}}, "a page"));
+  const auto read = testing::value(pictures::pdf_page(pdf, 1));
   const auto own = linework_from_svg(svg, SvgProfile::Plain);
-  const auto again = linework_from_svg(read->svg, SvgProfile::Plain);
+  const auto again = linework_from_svg(read.svg, SvgProfile::Plain);
   REQUIRE(own);
   REQUIRE(again);
   // The SVG has no size: its units are px there, and mm on the page.

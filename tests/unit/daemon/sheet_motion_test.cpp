@@ -21,6 +21,7 @@
 #include "daemon/cli/input/drawn_pattern.hpp"
 #include "tests/support/linework_checks.hpp"
 #include "tests/support/paths.hpp"
+#include "tests/support/value.hpp"
 
 namespace sheet_motion_test {
 
@@ -34,11 +35,9 @@ Pattern example(const std::string& name) {
   std::ifstream file(testing::source_file("examples/" + name + ".json"));
   std::ostringstream text;
   text << file.rdbuf();
-  const auto spec = parse_design_spec(text.str());
-  REQUIRE(spec);
-  auto made = design(*spec);
-  REQUIRE(made);
-  return std::move(made->pattern);
+  const auto spec = testing::value(parse_design_spec(text.str()));
+  auto made = testing::value(design(spec));
+  return std::move(made.pattern);
 }
 
 std::string fold_of(const Pattern& pattern) {
@@ -78,9 +77,7 @@ std::string drawn(const Pattern& pattern) {
   std::ostringstream svg;
   write_pattern_svg(pattern, svg);
   std::vector<std::string> warnings;
-  const auto fold = cli::fold_of_drawing(svg.str(), "pattern.svg", "origami-sim", warnings);
-  REQUIRE(fold);
-  return *fold;
+  return testing::value(cli::fold_of_drawing(svg.str(), "pattern.svg", "origami-sim", warnings));
 }
 
 judge::SheetMotion opened(const std::string& fold,
@@ -136,10 +133,8 @@ TEST_CASE("a pattern opens to the same poses from its frames, its lines alone an
     CAPTURE(name);
     const Pattern made = example(name);
     const std::string fold = fold_of(made);
-    const auto file = read_fold(fold);
-    REQUIRE(file);
-    const auto framed = pattern_from_fold(*file);
-    REQUIRE(framed);
+    const auto file = testing::value(read_fold(fold));
+    const auto framed = testing::value(pattern_from_fold(file));
     json faceless = json::parse(fold);
     faceless.erase("faces_vertices");
     faceless.erase("edges_faces");
@@ -157,7 +152,7 @@ TEST_CASE("a pattern opens to the same poses from its frames, its lines alone an
     for (const double psi : {2.5, std::numbers::pi / 2, 0.7}) {
       CAPTURE(psi);
       const Places due = corners(made, psi);
-      CHECK(apart(corners(*framed, psi), due) < 1e-6);
+      CHECK(apart(corners(framed, psi), due) < 1e-6);
       CHECK(apart(corners(lines.pattern, psi), due) < 1e-6);
       CHECK(apart(corners(drawing.pattern, psi), due) < drawn_within_mm);
     }
@@ -228,9 +223,7 @@ TEST_CASE("the samples of other programs open, or say what is wrong with them", 
     if (text.empty()) WARN("skipped: " << name << " is not here");
     if (text.empty() || !cli::is_svg(text)) return text;
     std::vector<std::string> warnings;
-    const auto fold = cli::fold_of_drawing(text, name, "origami-sim", warnings);
-    REQUIRE(fold);
-    return *fold;
+    return testing::value(cli::fold_of_drawing(text, name, "origami-sim", warnings));
   };
   const std::vector<double> angles{std::numbers::pi, 2.4, std::numbers::pi / 2};
   for (const char* name : {"fold_diagonal-cp.fold", "re_panels-6x2-90deg.fold", "os_miura-ori.svg",

@@ -8,6 +8,7 @@
 #include "core/curvature/vertex_curvature.hpp"
 #include "core/design/chain/augmented_chain.hpp"
 #include "core/design/chain/chain.hpp"
+#include "tests/support/value.hpp"
 
 namespace augmented_chain_test {
 
@@ -92,26 +93,24 @@ AugmentedSpec targets(std::vector<double> K_area, std::vector<double> H) {
 
 TEST_CASE("without weights the augmented chains equal the plain ones", "[core][curvature][chain]") {
   const Case made = barrel(5, 6);
-  const auto solved = solve_chain_augmented(made.stack(), {});
-  REQUIRE(solved);
+  const auto solved = testing::value(solve_chain_augmented(made.stack(), {}));
   std::vector<double> x(7), z(7);
   for (std::size_t j = 0; j < 5; ++j) {
     REQUIRE(ChainSolver().solve(made.curves[j], 6, x, z));
     for (std::size_t i = 0; i < 7; ++i) {
-      CHECK(solved->points.x[j * 7 + i] == Approx(x[i]).margin(1e-6));
-      CHECK(solved->points.z[j * 7 + i] == Approx(z[i]).margin(1e-6));
+      CHECK(solved.points.x[j * 7 + i] == Approx(x[i]).margin(1e-6));
+      CHECK(solved.points.z[j * 7 + i] == Approx(z[i]).margin(1e-6));
     }
   }
-  CHECK(solved->loss.curvature == 0);
+  CHECK(solved.loss.curvature == 0);
 }
 
 TEST_CASE("the augmented loss is the paper's sum", "[core][curvature][chain]") {
   const Case made = barrel(4, 4, 1.0 / 30);  // mean size about 1, where the weights are the paper's
   const StackPoints points = made.moved(0.2, 7);
   AugmentedSpec at = targets_at(made, points);
-  const auto zero = augmented_loss(made.stack(), points, weighed(at, {1, 1, 1, 1}));
-  REQUIRE(zero);
-  CHECK(zero->curvature == Approx(0).margin(1e-18));
+  const auto zero = testing::value(augmented_loss(made.stack(), points, weighed(at, {1, 1, 1, 1})));
+  CHECK(zero.curvature == Approx(0).margin(1e-18));
   for (double& K : at.K_area) K += 0.1;
   for (double& H : at.H) H -= 0.2;
   for (auto& a : at.first) a[1] += 0.01;
@@ -134,19 +133,18 @@ TEST_CASE("reachable targets are reached by K and H and by the forms", "[core][c
   const AugmentedSpec at = targets_at(made, wanted);
   for (const AugmentedSpec& spec :
        {weighed(at, {100, 100, 0, 0}), weighed(at, {0, 0, 1000, 1000})}) {
-    const auto solved = solve_chain_augmented(made.stack(), spec);
-    REQUIRE(solved);
-    CAPTURE(spec.weight_K, solved->start.curvature, solved->loss.curvature, solved->loss.chains);
-    CHECK(solved->loss.curvature < 0.05 * solved->start.curvature);
-    CHECK(solved->loss.total() <= solved->start.total());
+    const auto solved = testing::value(solve_chain_augmented(made.stack(), spec));
+    CAPTURE(spec.weight_K, solved.start.curvature, solved.loss.curvature, solved.loss.chains);
+    CHECK(solved.loss.curvature < 0.05 * solved.start.curvature);
+    CHECK(solved.loss.total() <= solved.start.total());
     // Every vertex stays on its slice's curve and in order.
     for (std::size_t j = 0; j < 6; ++j) {
       for (std::size_t i = 0; i < 6; ++i) {
-        const double x = solved->points.x[j * 6 + i], z = solved->points.z[j * 6 + i];
+        const double x = solved.points.x[j * 6 + i], z = solved.points.z[j * 6 + i];
         CHECK(std::hypot(x, z) == Approx(made.curves[j].h()));
         if (i > 0) {
-          CHECK(x > solved->points.x[j * 6 + i - 1]);
-          CHECK(z < solved->points.z[j * 6 + i - 1]);
+          CHECK(x > solved.points.x[j * 6 + i - 1]);
+          CHECK(z < solved.points.z[j * 6 + i - 1]);
         }
       }
     }
@@ -156,19 +154,17 @@ TEST_CASE("reachable targets are reached by K and H and by the forms", "[core][c
 TEST_CASE("no small step along the curves improves augmented chains", "[core][curvature][chain]") {
   const Case made = barrel(5, 5);
   const AugmentedSpec spec = weighed(targets({1.0 / 900}, {1.0 / 30}), {1, 1, 0, 0});
-  const auto solved = solve_chain_augmented(made.stack(), spec);
-  REQUIRE(solved);
-  const double least = solved->loss.total();
+  const auto solved = testing::value(solve_chain_augmented(made.stack(), spec));
+  const double least = solved.loss.total();
   for (std::size_t j = 0; j < 5; ++j) {
     for (std::size_t i = 1; i < 5; ++i) {
       for (const double by : {-1e-3, 1e-3}) {
-        StackPoints other = solved->points;
+        StackPoints other = solved.points;
         const double angle = std::atan2(other.x[j * 6 + i], other.z[j * 6 + i]) + by;
         other.x[j * 6 + i] = made.curves[j].h() * std::sin(angle);
         other.z[j * 6 + i] = made.curves[j].h() * std::cos(angle);
-        const auto there = augmented_loss(made.stack(), other, spec);
-        REQUIRE(there);
-        CHECK(there->total() >= least * (1 - 1e-9));
+        const auto there = testing::value(augmented_loss(made.stack(), other, spec));
+        CHECK(there.total() >= least * (1 - 1e-9));
       }
     }
   }

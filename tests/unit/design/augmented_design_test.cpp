@@ -15,6 +15,7 @@
 #include "core/formats/fold/fold_writer.hpp"
 #include "core/formats/write/report_json.hpp"
 #include "core/verify/verify.hpp"
+#include "tests/support/value.hpp"
 
 namespace augmented_design_test {
 
@@ -50,10 +51,9 @@ const CurvatureFigures& figures_of(const DesignReport& report, const std::string
 void check_sound(const Design& made) {
   std::ostringstream fold;
   REQUIRE(write_fold(made.pattern, {}, fold));
-  const auto report = verify_fold(fold.str(), {.degrees_of_freedom = 1});
-  REQUIRE(report);
-  INFO(verify_text(*report));
-  CHECK(report->ok());
+  const auto report = testing::value(verify_fold(fold.str(), {.degrees_of_freedom = 1}));
+  INFO(verify_text(report));
+  CHECK(report.ok());
 }
 
 }  // namespace
@@ -89,10 +89,10 @@ TEST_CASE("requested curvature brings a saddle and a sphere nearer to it than pl
 TEST_CASE("the fundamental forms can be requested instead of the curvatures",
           "[core][design][curvature]") {
   const auto asked = [](const std::string& forms) {
-    auto made = designed(spec_of(kSaddle, fmt::format(R"(,"curvature":{{{}}})", forms)));
-    REQUIRE(made);
-    check_sound(*made);
-    return std::move(made->report);
+    auto made =
+        testing::value(designed(spec_of(kSaddle, fmt::format(R"(,"curvature":{{{}}})", forms))));
+    check_sound(made);
+    return std::move(made.report);
   };
   const std::string first = R"("first":[120,0,66])", second = R"("second":[[2.4,0.2,-1.2]])";
   for (const auto& [form, name] : {std::pair{first, "first"}, std::pair{second, "second"}}) {
@@ -132,9 +132,8 @@ TEST_CASE("the report gives the curvature of a lattice that does not keep the ch
           "[core][design][curvature]") {
   const std::string asked = R"(,"curvature":{"K_area":-0.000625},"lattice":)";
   const auto said = [&](const std::string& lattice, const std::string& words) {
-    const auto made = designed(spec_of(kSaddle, asked + lattice));
-    REQUIRE(made);
-    for (const std::string& note : made->report.notes)
+    const auto made = testing::value(designed(spec_of(kSaddle, asked + lattice)));
+    for (const std::string& note : made.report.notes)
       if (note.find(words) != std::string::npos) return true;
     return false;
   };
@@ -145,15 +144,14 @@ TEST_CASE("the report gives the curvature of a lattice that does not keep the ch
 
 TEST_CASE("runs that are too small keep plain chains and the others are solved",
           "[core][design][curvature]") {
-  const auto made = designed(
+  const auto made = testing::value(designed(
       R"j({"popcut":1,"surface":{"type":"revolution","radius":"sqrt(60^2-(y-30)^2)"},"regions":[
           {"units_per_slice":1,"slices":2,"width_mm":6},{"units_per_slice":4,"slices":4,"width_mm":6},
           {"units_per_slice":3,"slices":3,"width_mm":6}],
-          "curvature":{"K_area":[1e-4,2e-4,3e-4,1e-4,2e-4,3e-4,1e-4,2e-4]}})j");
-  REQUIRE(made);
-  CHECK(made->report.curvature->vertices == 2 * 3 + 1 * 2);
-  CHECK(made->report.curvature->slices_left_out == 2);
-  check_sound(*made);
+          "curvature":{"K_area":[1e-4,2e-4,3e-4,1e-4,2e-4,3e-4,1e-4,2e-4]}})j"));
+  CHECK(made.report.curvature->vertices == 2 * 3 + 1 * 2);
+  CHECK(made.report.curvature->slices_left_out == 2);
+  check_sound(made);
 }
 
 TEST_CASE("curvature that cannot be requested is refused with its place",

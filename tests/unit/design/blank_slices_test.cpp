@@ -10,6 +10,7 @@
 #include "core/design/patches.hpp"
 #include "core/formats/fold/fold_writer.hpp"
 #include "core/verify/verify.hpp"
+#include "tests/support/value.hpp"
 
 namespace blank_slices_test {
 
@@ -18,10 +19,9 @@ using namespace popcut;
 namespace {
 
 Result<Design> designed(const std::string& radius, const std::string& fields) {
-  const auto spec = parse_design_spec(fmt::format(
-      R"({{"popcut":1,"surface":{{"type":"revolution","radius":"{}"}},{}}})", radius, fields));
-  if (!spec) FAIL(message(spec.error()));
-  return design(*spec);
+  const auto spec = testing::value(parse_design_spec(fmt::format(
+      R"({{"popcut":1,"surface":{{"type":"revolution","radius":"{}"}},{}}})", radius, fields)));
+  return design(spec);
 }
 
 std::vector<int> blanks_of(const DesignReport& report) {
@@ -34,9 +34,8 @@ std::vector<int> blanks_of(const DesignReport& report) {
 void check_sound(const Pattern& pattern) {
   std::ostringstream fold;
   REQUIRE(write_fold(pattern, {}, fold));
-  const auto report = verify_fold(fold.str(), {.degrees_of_freedom = 1});
-  if (!report) FAIL(message(report.error()));
-  if (!report->ok()) FAIL(verify_text(*report));
+  const auto report = testing::value(verify_fold(fold.str(), {.degrees_of_freedom = 1}));
+  if (!report.ok()) FAIL(verify_text(report));
 }
 
 bool says(const DesignReport& report, const std::string& what) {
@@ -50,39 +49,37 @@ TEST_CASE("slices beyond the end of the target are plain card", "[core][design][
   const int units = GENERATE(1, 2, 5);
   CAPTURE(units);
   // A sphere from y = 10 to 70: slices at 0, 10, .. 90, each over 5 mm to both sides.
-  const auto made = designed(
+  const auto made = testing::value(designed(
       "sqrt(30^2-(y-40)^2)",
-      fmt::format(R"("units_per_slice":{},"slices":10,"widths_mm":10,"lattice":"slices")", units));
-  if (!made) FAIL(message(made.error()));
-  CHECK(blanks_of(made->report) == std::vector<int>{0, 8, 9});
-  CHECK(says(made->report, "slice 0 is blank"));
-  CHECK(says(made->report, "slice 1: the target ends there"));
-  CHECK(says(made->report, "slice 7: the target ends there"));
-  CHECK(says(made->report, "slices 8 to 9 are blank"));
-  check_sound(made->pattern);
+      fmt::format(R"("units_per_slice":{},"slices":10,"widths_mm":10,"lattice":"slices")", units)));
+  CHECK(blanks_of(made.report) == std::vector<int>{0, 8, 9});
+  CHECK(says(made.report, "slice 0 is blank"));
+  CHECK(says(made.report, "slice 1: the target ends there"));
+  CHECK(says(made.report, "slice 7: the target ends there"));
+  CHECK(says(made.report, "slices 8 to 9 are blank"));
+  check_sound(made.pattern);
   // All slices have the places that they would have without blank ones.
   for (std::size_t j = 1; j < 10; ++j)
-    if (!made->report.slices[j].blank && !made->report.slices[j - 1].blank)
-      CHECK(made->report.slices[j].v_mm - made->report.slices[j - 1].v_mm == Approx(10.0));
+    if (!made.report.slices[j].blank && !made.report.slices[j - 1].blank)
+      CHECK(made.report.slices[j].v_mm - made.report.slices[j - 1].v_mm == Approx(10.0));
 }
 
 TEST_CASE("a blank slice between others keeps their distance", "[core][design][blank]") {
-  const auto made = designed("y < 25 ? 40 : (y < 45 ? -1 : 40)",
-                             R"("units_per_slice":3,"slices":8,"widths_mm":10,"lattice":"slices")");
-  if (!made) FAIL(message(made.error()));
-  CHECK(blanks_of(made->report) == std::vector<int>{3, 4});
-  CHECK(made->report.slices[5].v_mm - made->report.slices[2].v_mm == Approx(30.0));
-  CHECK(made->report.bridges.empty());
-  check_sound(made->pattern);
+  const auto made = testing::value(
+      designed("y < 25 ? 40 : (y < 45 ? -1 : 40)",
+               R"("units_per_slice":3,"slices":8,"widths_mm":10,"lattice":"slices")"));
+  CHECK(blanks_of(made.report) == std::vector<int>{3, 4});
+  CHECK(made.report.slices[5].v_mm - made.report.slices[2].v_mm == Approx(30.0));
+  CHECK(made.report.bridges.empty());
+  check_sound(made.pattern);
 }
 
 TEST_CASE("a slice too small for panels is plain card", "[core][design][blank]") {
-  const auto made = designed("y < 45 ? 40 : 0.7",
-                             R"("units_per_slice":2,"slices":6,"widths_mm":10,"lattice":"slices")");
-  if (!made) FAIL(message(made.error()));
-  CHECK(blanks_of(made->report) == std::vector<int>{5});
-  CHECK(says(made->report, "slice 5 is blank, plain card: the target spans only"));
-  check_sound(made->pattern);
+  const auto made = testing::value(designed(
+      "y < 45 ? 40 : 0.7", R"("units_per_slice":2,"slices":6,"widths_mm":10,"lattice":"slices")"));
+  CHECK(blanks_of(made.report) == std::vector<int>{5});
+  CHECK(says(made.report, "slice 5 is blank, plain card: the target spans only"));
+  check_sound(made.pattern);
 }
 
 TEST_CASE("a design whose slices are mostly blank says so in a warning", "[core][design][blank]") {
@@ -91,9 +88,8 @@ TEST_CASE("a design whose slices are mostly blank says so in a warning", "[core]
   if (!typed) FAIL(message(typed.error()));
   CHECK_THAT(messages_of(typed->report.warnings).front(),
              Catch::StartsWith("8 of 10 slices are blank, plain card: the radius is not a number"));
-  const auto meant = designed("sqrt(70^2 - (y - 45)^2)", fields);
-  if (!meant) FAIL(message(meant.error()));
-  for (const Warning& one : meant->report.warnings) CHECK(one.code != "mostly_blank");
+  const auto meant = testing::value(designed("sqrt(70^2 - (y - 45)^2)", fields));
+  for (const Warning& one : meant.report.warnings) CHECK(one.code != "mostly_blank");
 }
 
 TEST_CASE("where every slice would be blank there is no design", "[core][design][blank]") {
@@ -127,12 +123,12 @@ TEST_CASE("without a card and at the edge of a patch no slice can be blank",
 TEST_CASE("a gap of the target between two slices is a plain cut or a bridge",
           "[core][design][blank]") {
   // Nothing from y = 22 to 28: between the slices at 20 and 30, where their connector would be.
-  const auto made = designed("y < 22 ? 40 : (y < 28 ? -1 : 40)",
-                             R"("units_per_slice":3,"slices":6,"widths_mm":10,"lattice":"slices")");
-  if (!made) FAIL(message(made.error()));
-  CHECK(blanks_of(made->report).empty());
-  CHECK(says(made->report, "with a gap of the target between them"));
-  check_sound(made->pattern);
+  const auto made = testing::value(
+      designed("y < 22 ? 40 : (y < 28 ? -1 : 40)",
+               R"("units_per_slice":3,"slices":6,"widths_mm":10,"lattice":"slices")"));
+  CHECK(blanks_of(made.report).empty());
+  CHECK(says(made.report, "with a gap of the target between them"));
+  check_sound(made.pattern);
 }
 
 }  // namespace blank_slices_test

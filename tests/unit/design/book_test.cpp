@@ -20,6 +20,7 @@
 #include "core/verify/book.hpp"
 #include "tests/support/glb_scene.hpp"
 #include "tests/support/meshes.hpp"
+#include "tests/support/value.hpp"
 
 namespace book_test {
 
@@ -50,18 +51,13 @@ std::string spec_text(const std::string& surface, int cards, const std::string& 
       surface, units, cards, more);
 }
 
-DesignSpec spec_of(const std::string& text) {
-  auto spec = parse_design_spec(text);
-  if (!spec) FAIL(message(spec.error()));
-  return std::move(*spec);
-}
+DesignSpec spec_of(const std::string& text) { return testing::value(parse_design_spec(text)); }
 
 PatchAssembly book_of(const std::string& text, const SurfaceAssets& assets = ball()) {
   CAPTURE(text);
-  auto made = design_assembly(spec_of(text), assets);
-  if (!made) FAIL(message(made.error()));
-  REQUIRE(made->book);
-  return std::move(*made);
+  auto made = testing::value(design_assembly(spec_of(text), assets));
+  REQUIRE(made.book);
+  return made;
 }
 
 std::string fold_of(const Pattern& pattern) {
@@ -74,9 +70,7 @@ BookVerifyReport verified(const std::vector<std::string>& folds) {
   std::vector<VerifiedCard> cards;
   for (std::size_t i = 0; i < folds.size(); ++i)
     cards.push_back({fmt::format("card {}", i + 1), folds[i]});
-  auto report = verify_book(cards);
-  if (!report) FAIL(message(report.error()));
-  return std::move(*report);
+  return testing::value(verify_book(cards));
 }
 
 std::vector<std::string> folds_of(const PatchAssembly& book) {
@@ -103,9 +97,8 @@ TEST_CASE("the first card of a book of right angles is the card that its design 
       R"({{"popcut":1,"name":"b, card 1","surface":{},"units_per_slice":4,"slices":8,"widths_mm":5,
           "fit":"nearest","card":{{"wall_mm":{:.17g},"ground_mm":{:.17g}}}}})",
       kOffCentre, page, page));
-  const auto made = design(alone, ball());
-  if (!made) FAIL(message(made.error()));
-  CHECK(fold_of(made->pattern) == fold_of(book.parts.front().pattern));
+  const auto made = testing::value(design(alone, ball()));
+  CHECK(fold_of(made.pattern) == fold_of(book.parts.front().pattern));
 }
 
 TEST_CASE("all cards of a book have one page, which clears each shut structure", "[core][book]") {
@@ -140,11 +133,10 @@ TEST_CASE("the cards of a book show the target on their own sides", "[core][book
       R"({"popcut":1,"surface":{"type":"mesh","file":"ball.stl"},"rotate_deg":[0,0,0],
           "translate_mm":[8,38,0],"units_per_slice":8,"slices":20,"widths_mm":4,
           "book":{"cards":6}})");
-  const auto fit = book_fit(book);
-  REQUIRE(fit);
-  CHECK(fit->size_mm == Approx(80.0 * std::sqrt(3.0)).margin(0.5));
-  CHECK(fit->share_within[2] > 0.97);
-  CHECK(fit->to_structure.mean_mm < 0.017 * fit->size_mm);
+  const auto fit = testing::value(book_fit(book));
+  CHECK(fit.size_mm == Approx(80.0 * std::sqrt(3.0)).margin(0.5));
+  CHECK(fit.share_within[2] > 0.97);
+  CHECK(fit.to_structure.mean_mm < 0.017 * fit.size_mm);
   // Turned to where they do not belong the cards are far off.
   std::rotate(book.parts.begin(), book.parts.begin() + 3, book.parts.end());
   const TriangleSoup wrong = book_structure(book);
@@ -209,9 +201,8 @@ TEST_CASE("a mesh stands with its z axis on the spine of a book, its middle half
   };
   const DesignSpec spec = spec_of(text(""));
   CHECK(spec.fit == FitMode::Nearest);
-  const auto placement = book_placement(spec, assets);
-  REQUIRE(placement);
-  const PlacementMap map(*placement);
+  const auto placement = testing::value(book_placement(spec, assets));
+  const PlacementMap map(placement);
   const auto middle = map.to_corner({20, 30, 55});
   CHECK(middle[0] == Approx(0.0).margin(1e-4));
   CHECK(middle[1] == Approx(20.0).margin(1e-4));  // the slices' middles reach from 0 to 40
@@ -231,20 +222,16 @@ TEST_CASE("a mesh stands with its z axis on the spine of a book, its middle half
 
 TEST_CASE("the animation of a book puts each card at its turn about the spine", "[core][book]") {
   const PatchAssembly book = book_of(spec_text(kSphere, 5));
-  const auto angles = opening_angles(0.0, book.parts[0].pattern.design_psi_rad, 9);
-  REQUIRE(angles);
+  const auto angles = testing::value(opening_angles(0.0, book.parts[0].pattern.design_psi_rad, 9));
   std::vector<PoseTable> tables;
   for (const Design& card : book.parts) {
-    auto table = pose_table(card.pattern, *angles);
-    REQUIRE(table);
-    tables.push_back(std::move(*table));
+    tables.push_back(testing::value(pose_table(card.pattern, angles)));
   }
   std::vector<GlbCard> cards;
   for (std::size_t i = 0; i < tables.size(); ++i)
     cards.push_back({&book.parts[i].pattern, &tables[i]});
-  const auto bytes = book_glb(cards, "b", {});
-  REQUIRE(bytes);
-  const testing::GlbScene scene(*bytes);
+  const auto bytes = testing::value(book_glb(cards, "b", {}));
+  const testing::GlbScene scene(bytes);
   std::size_t grounds = 0, walls = 0;
   for (const double part : {0.0, 0.4, 1.0}) {
     const double psi = part * book.parts[0].pattern.design_psi_rad;
@@ -305,19 +292,17 @@ TEST_CASE("verify finds what is wrong with a book", "[verify][book]") {
         R"({{"popcut":1,"surface":{},"units_per_slice":4,"slices":8,"widths_mm":5,"fit":"nearest",
             "card":{{"wall_mm":50,"ground_mm":50,"shut":"free"}}}})",
         kOffCentre));
-    const auto made = design(free, ball());
-    REQUIRE(made);
-    const std::string fold = fold_of(made->pattern);
+    const auto made = testing::value(design(free, ball()));
+    const std::string fold = fold_of(made.pattern);
     CHECK(check_of(verified({fold, fold, fold, fold}), "closed").failed == 4);
   }
   SECTION("a card with two movements") {
     const DesignSpec loose = spec_of(
         R"({"popcut":1,"surface":{"type":"revolution","radius":"40"},"units_per_slice":3,"slices":2,
             "widths_mm":5,"card":false})");
-    const auto made = design(loose);
-    REQUIRE(made);
+    const auto made = testing::value(design(loose));
     std::vector<std::string> bad = folds;
-    bad[3] = fold_of(made->pattern);
+    bad[3] = fold_of(made.pattern);
     CHECK_FALSE(verified(bad).cards[3].ok());
   }
 }
@@ -373,9 +358,8 @@ TEST_CASE("facets make a book of four right angles", "[core][book]") {
           "f":"max(max(abs(x-4)-30,abs(z)-25),abs(y-20)-15)"},
           "facets":{"length_mm":40,"pitch_mm":5,"strip_mm":10},"book":{"cards":4}})j");
   CHECK(verified(folds_of(book)).ok());
-  const auto fit = book_fit(book);
-  REQUIRE(fit);
-  CHECK(fit->to_target.mean_mm < 1.0);
+  const auto fit = testing::value(book_fit(book));
+  CHECK(fit.to_target.mean_mm < 1.0);
 }
 
 TEST_CASE("the report of a book says what is glued and where its cards are", "[core][book]") {

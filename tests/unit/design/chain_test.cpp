@@ -11,6 +11,7 @@
 #include "core/design/chain/chain.hpp"
 #include "core/design/target/surface.hpp"
 #include "tests/support/paths.hpp"
+#include "tests/support/value.hpp"
 
 namespace chain_test {
 
@@ -27,18 +28,14 @@ Chain newton(const SliceCurve& curve, int units) {
   Chain c{std::vector<double>(static_cast<std::size_t>(units) + 1),
           std::vector<double>(static_cast<std::size_t>(units) + 1),
           {}};
-  const auto figures = ChainSolver{}.solve(curve, units, c.x, c.z);
-  REQUIRE(figures);
-  c.figures = *figures;
+  const auto figures = testing::value(ChainSolver{}.solve(curve, units, c.x, c.z));
+  c.figures = figures;
   return c;
 }
 
 SliceCurve profile(const std::string& z) {
-  const auto surface = Surface::make(ProfileSpec{z}, {}, FitMode::Exact);
-  REQUIRE(surface);
-  auto curve = surface->slice(0.0);
-  if (!curve) FAIL(message(curve.error()));
-  return *curve;
+  const auto surface = testing::value(Surface::make(ProfileSpec{z}, {}, FitMode::Exact));
+  return testing::value(surface.slice(0.0));
 }
 
 }  // namespace
@@ -89,9 +86,8 @@ TEST_CASE("SLSQP on the full problem finds the same chain as Newton", "[core][ch
   const Chain c = newton(curve, units);
   std::vector<double> x(c.x.size()), z(c.x.size());
   SlsqpBudget budget;
-  const auto figures = solve_chain_slsqp(curve, units, x, z, budget);
-  if (!figures) FAIL(message(figures.error()));
-  CHECK_THAT(figures->loss, Catch::WithinRel(c.figures.loss, 1e-9));
+  const auto figures = testing::value(solve_chain_slsqp(curve, units, x, z, budget));
+  CHECK_THAT(figures.loss, Catch::WithinRel(c.figures.loss, 1e-9));
   for (std::size_t i = 0; i < x.size(); ++i) CHECK_THAT(x[i], Catch::WithinAbs(c.x[i], 1e-4));
 }
 

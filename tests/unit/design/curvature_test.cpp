@@ -8,6 +8,7 @@
 
 #include "core/curvature/assembly.hpp"
 #include "core/curvature/vertex_curvature.hpp"
+#include "tests/support/value.hpp"
 
 namespace curvature_test {
 
@@ -135,16 +136,15 @@ TEST_CASE("solving for K takes the nearest assembly and names its mirror",
   };
   for (const Golden& g :
        {Golden{-1, 2.69251, 1.99794}, Golden{0, 2.12132, 1.0}, Golden{1, 2.66621, 0.75464}}) {
-    const auto found = solve_assembly({g.K, std::nullopt, kQuarter});
-    REQUIRE(found);
+    const auto found = testing::value(solve_assembly({g.K, std::nullopt, kQuarter}));
     CAPTURE(g.K);
-    CHECK(found->assembly.r == Approx(g.r).margin(6e-6));
-    CHECK(found->assembly.lambda == Approx(g.lambda).margin(6e-6));
-    CHECK(std::abs(found->reached.K - g.K) < 1e-8);
-    CHECK(found->mirror.has_value() == (g.K != 0));
-    if (found->mirror) {
-      CHECK(std::abs(curvature_of(*found->mirror).K - g.K) < 1e-8);
-      CHECK(curvature_of(*found->mirror).H == Approx(-found->reached.H));
+    CHECK(found.assembly.r == Approx(g.r).margin(6e-6));
+    CHECK(found.assembly.lambda == Approx(g.lambda).margin(6e-6));
+    CHECK(std::abs(found.reached.K - g.K) < 1e-8);
+    CHECK(found.mirror.has_value() == (g.K != 0));
+    if (found.mirror) {
+      CHECK(std::abs(curvature_of(*found.mirror).K - g.K) < 1e-8);
+      CHECK(curvature_of(*found.mirror).H == Approx(-found.reached.H));
     }
   }
 }
@@ -152,13 +152,12 @@ TEST_CASE("solving for K takes the nearest assembly and names its mirror",
 TEST_CASE("no nearer assembly has the K that was solved for", "[core][curvature][assembly]") {
   for (const double K : {-2.0, -0.4, 0.5, 2.5}) {
     for (const double phi : {kQuarter, 0.6}) {
-      const auto found = solve_assembly({K, std::nullopt, phi});
-      REQUIRE(found);
+      const auto found = testing::value(solve_assembly({K, std::nullopt, phi}));
       CAPTURE(K, phi);
-      CHECK(std::abs(found->reached.K - K) < 1e-10);
+      CHECK(std::abs(found.reached.K - K) < 1e-10);
       const double centre = 3 / std::numbers::sqrt2;
       const double reach =
-          std::hypot(found->assembly.r - centre, found->assembly.lambda - 1.0) * (1 - 1e-6);
+          std::hypot(found.assembly.r - centre, found.assembly.lambda - 1.0) * (1 - 1e-6);
       const bool below = curvature_of({centre, 1.0, phi}).K < K;
       for (int ray = 0; ray < 720; ++ray) {
         for (int part = 1; part <= 40; ++part) {
@@ -173,20 +172,17 @@ TEST_CASE("no nearer assembly has the K that was solved for", "[core][curvature]
 
 TEST_CASE("K and H together are solved for or reported as out of reach",
           "[core][curvature][assembly]") {
-  const auto saddle = solve_assembly({-1.0, 0.0, kQuarter});
-  REQUIRE(saddle);
-  CHECK(saddle->assembly.lambda == Approx(1.970044753845).margin(1e-9));
-  REQUIRE(saddle->mirror);
-  CHECK(saddle->mirror->lambda == Approx(0.029955246155).margin(1e-9));
-  CHECK(saddle->mirror->r == Approx(1.43540).margin(1e-5));
-  const auto bent = solve_assembly({1.0, 0.3, kQuarter});
-  REQUIRE(bent);
-  CHECK(bent->assembly.r == Approx(7.12386861).margin(1e-6));
-  CHECK(bent->assembly.lambda == Approx(4.30999091).margin(1e-6));
-  const auto half = solve_assembly({-0.5, 0.0, kQuarter});
-  REQUIRE(half);
-  REQUIRE(half->mirror);
-  CHECK(half->mirror->lambda == Approx(0.36315713).margin(1e-7));
+  const auto saddle = testing::value(solve_assembly({-1.0, 0.0, kQuarter}));
+  CHECK(saddle.assembly.lambda == Approx(1.970044753845).margin(1e-9));
+  REQUIRE(saddle.mirror);
+  CHECK(saddle.mirror->lambda == Approx(0.029955246155).margin(1e-9));
+  CHECK(saddle.mirror->r == Approx(1.43540).margin(1e-5));
+  const auto bent = testing::value(solve_assembly({1.0, 0.3, kQuarter}));
+  CHECK(bent.assembly.r == Approx(7.12386861).margin(1e-6));
+  CHECK(bent.assembly.lambda == Approx(4.30999091).margin(1e-6));
+  const auto half = testing::value(solve_assembly({-0.5, 0.0, kQuarter}));
+  REQUIRE(half.mirror);
+  CHECK(half.mirror->lambda == Approx(0.36315713).margin(1e-7));
 
   const auto never = solve_assembly({1.0, 0.0, kQuarter});
   REQUIRE_FALSE(never);

@@ -23,6 +23,7 @@
 #include "core/picture/poster.hpp"
 #include "tests/support/box_card.hpp"
 #include "tests/support/glb_scene.hpp"
+#include "tests/support/value.hpp"
 
 namespace deploy_test {
 
@@ -34,9 +35,7 @@ using testing::GlbScene;
 namespace {
 
 PoseTable table_of(const Pattern& pattern, std::vector<double> psi_rad) {
-  auto table = pose_table(pattern, psi_rad);
-  REQUIRE(table);
-  return *table;
+  return testing::value(pose_table(pattern, psi_rad));
 }
 
 /// Corners of a binary STL, three a triangle, normals first.
@@ -66,9 +65,7 @@ Stl stl_of(const SheetMesh& mesh, const PoseTable& table, std::size_t pose,
 FoldFile fold_file(const Pattern& pattern, std::vector<double> psi_rad) {
   std::ostringstream out;
   REQUIRE(write_fold(pattern, {.psi_rad = std::move(psi_rad)}, out));
-  auto file = read_fold(out.str());
-  REQUIRE(file);
-  return *file;
+  return testing::value(read_fold(out.str()));
 }
 
 /// A pattern of one face with the given corners on the ground, counter-clockwise in (u, v).
@@ -92,12 +89,11 @@ Error error_of(const std::string& text, SegmentConvention convention = SegmentCo
 }  // namespace
 
 TEST_CASE("angles of frames keep both ends to the digit", "[core][deploy]") {
-  const auto angles = opening_angles(pi, pi / 2, 60);
-  REQUIRE(angles);
-  CHECK(angles->size() == 60);
-  CHECK(angles->front() == pi);
-  CHECK(angles->back() == pi / 2);
-  CHECK((*angles)[1] == Approx(pi - pi / 2 / 59));
+  const auto angles = testing::value(opening_angles(pi, pi / 2, 60));
+  CHECK(angles.size() == 60);
+  CHECK(angles.front() == pi);
+  CHECK(angles.back() == pi / 2);
+  CHECK(angles[1] == Approx(pi - pi / 2 / 59));
   CHECK(opening_angles(1, 1, 1)->size() == 1);
 }
 
@@ -197,10 +193,9 @@ TEST_CASE("an STL is binary and does not begin as the text form does", "[core][d
 TEST_CASE("solids are closed and hold the sheet's area times its thickness", "[core][deploy]") {
   const Pattern card = testing::row_of_boxes(3);
   constexpr double kThickness = 0.27;
-  const auto mesh = solid_mesh(card, kThickness);
-  REQUIRE(mesh);
+  const auto mesh = testing::value(solid_mesh(card, kThickness));
   std::map<std::pair<std::uint32_t, std::uint32_t>, int> sides;
-  for (const auto& [a, b, c] : mesh->triangles)
+  for (const auto& [a, b, c] : mesh.triangles)
     for (const auto& side : {std::pair(a, b), std::pair(b, c), std::pair(c, a)}) ++sides[side];
   for (const auto& [side, count] : sides) {
     CHECK(count == 1);
@@ -208,8 +203,8 @@ TEST_CASE("solids are closed and hold the sheet's area times its thickness", "[c
   }
   const PoseTable table = table_of(card, {1.3});
   double volume = 0;
-  for (const auto& [a, b, c] : mesh->triangles) {
-    const auto at = [&](std::uint32_t i) { return table.at(0, mesh->body[i])(mesh->at[i]); };
+  for (const auto& [a, b, c] : mesh.triangles) {
+    const auto at = [&](std::uint32_t i) { return table.at(0, mesh.body[i])(mesh.at[i]); };
     volume += dot(at(a), cross(at(b), at(c))) / 6;
   }
   CHECK(volume == Approx(210.0 * 70.0 * kThickness));
@@ -234,13 +229,12 @@ TEST_CASE("triangles of a face meet corner to corner", "[core][deploy]") {
                                  {1, 4},
                                  {1, 1},
                                  {0, 1}});
-  const auto faces = triangulate_faces(comb);
-  REQUIRE(faces);
-  CHECK(faces->triangle.size() == faces->corner.size() - 2);
-  for (const auto& triangle : faces->triangle) {
+  const auto faces = testing::value(triangulate_faces(comb));
+  CHECK(faces.triangle.size() == faces.corner.size() - 2);
+  for (const auto& triangle : faces.triangle) {
     for (std::size_t e = 0; e < 3; ++e) {
-      const Vec3 &a = faces->corner[triangle[e]], &b = faces->corner[triangle[(e + 1) % 3]];
-      for (const Vec3& p : faces->corner) {
+      const Vec3 &a = faces.corner[triangle[e]], &b = faces.corner[triangle[(e + 1) % 3]];
+      for (const Vec3& p : faces.corner) {
         const bool end = norm(p - a) == 0 || norm(p - b) == 0;
         CHECK((end || norm(p - a) + norm(b - p) > norm(b - a) + 1e-9));
       }
@@ -262,9 +256,8 @@ TEST_CASE("faces that are no polygons are refused by number", "[core][deploy]") 
 TEST_CASE("a GLB has a node a face in a hinge tree in metres and y up", "[core][deploy][glb]") {
   const Pattern card = box_card_pattern();
   const PoseTable table = table_of(card, {pi, 2.2, pi / 2});
-  const auto bytes = glb(card, table, {});
-  REQUIRE(bytes);
-  const GlbScene scene(*bytes);
+  const auto bytes = testing::value(glb(card, table, {}));
+  const GlbScene scene(bytes);
   REQUIRE(scene.nodes() == 5);
   CHECK(scene.json()["nodes"][2]["name"] == "wall 2");
   CHECK(scene.json()["nodes"][3]["name"] == "ground 3");
@@ -290,9 +283,9 @@ TEST_CASE("a GLB has a node a face in a hinge tree in metres and y up", "[core][
 TEST_CASE("a GLB of one pose has no motion", "[core][deploy][glb]") {
   const Pattern card = box_card_pattern();
   for (const double thickness : {0.0, 0.5}) {
-    const auto bytes = glb(card, table_of(card, {1.0}), {.thickness_mm = thickness});
-    REQUIRE(bytes);
-    CHECK_FALSE(GlbScene(*bytes).json().contains("animations"));
+    const auto bytes =
+        testing::value(glb(card, table_of(card, {1.0}), {.thickness_mm = thickness}));
+    CHECK_FALSE(GlbScene(bytes).json().contains("animations"));
   }
 }
 
@@ -300,16 +293,15 @@ TEST_CASE("a pattern comes back from its FOLD file with or without a right angle
           "[core][deploy][fold]") {
   const Pattern card = box_card_pattern();
   for (const std::vector<double>& poses : {std::vector<double>{pi, pi / 2}, {1.1}, {0.0, 2.9}}) {
-    const auto back = pattern_from_fold(fold_file(card, poses));
-    REQUIRE(back);
-    CHECK(back->name == card.name);
-    CHECK(back->wall_mm == Approx(card.wall_mm));
+    const auto back = testing::value(pattern_from_fold(fold_file(card, poses)));
+    CHECK(back.name == card.name);
+    CHECK(back.wall_mm == Approx(card.wall_mm));
     for (std::size_t i = 0; i < card.vertices.size(); ++i) {
-      CHECK(back->vertices[i].x == Approx(card.vertices[i].x).margin(1e-9));
-      CHECK(back->vertices[i].z == Approx(card.vertices[i].z).margin(1e-9));
-      CHECK(back->vertices[i].v == card.vertices[i].v);
+      CHECK(back.vertices[i].x == Approx(card.vertices[i].x).margin(1e-9));
+      CHECK(back.vertices[i].z == Approx(card.vertices[i].z).margin(1e-9));
+      CHECK(back.vertices[i].v == card.vertices[i].v);
     }
-    const PoseTable table = table_of(*back, {2.0, 1.0});
+    const PoseTable table = table_of(back, {2.0, 1.0});
     CHECK(table.parent == table_of(card, {2.0, 1.0}).parent);
   }
 }
@@ -335,9 +327,8 @@ TEST_CASE("popcut's own table of panels gives the design's mesh", "[core][deploy
   const Strips strips = testing::box_card_strips();
   std::ostringstream out;
   write_segments_csv(strips, out);
-  const auto panels = read_segments_csv(out.str(), SegmentConvention::Popcut);
-  REQUIRE(panels);
-  const Pattern loose = pattern_from_segments(*panels, "loose");
+  const auto panels = testing::value(read_segments_csv(out.str(), SegmentConvention::Popcut));
+  const Pattern loose = pattern_from_segments(panels, "loose");
   const std::vector<double> psi{pi, 1.0};
   const Stl a = stl_of(rectangle_mesh(loose), table_of(loose, psi), 1);
   const Stl b = stl_of(*surface_mesh(card, strips), table_of(card, psi), 1);
@@ -349,18 +340,16 @@ TEST_CASE("popcut's own table of panels gives the design's mesh", "[core][deploy
 }
 
 TEST_CASE("loose panels turn about the spine or on a link and never shift", "[core][deploy][csv]") {
-  const auto panels = read_segments_csv(
+  const auto panels = testing::value(read_segments_csv(
       "0,5,30,10,5,30,10,7,1,1,0,8\n10,5,30,10,5,12,18,7,1,1,0,8\n4,25,20,9,25,20,5,6,2,1,0,6\n",
-      SegmentConvention::Popcut);
-  REQUIRE(panels);
-  const Pattern loose = pattern_from_segments(*panels, "");
+      SegmentConvention::Popcut));
+  const Pattern loose = pattern_from_segments(panels, "");
   const auto angles = opening_angles(pi, 0.2, 30);
   const PoseTable table = table_of(loose, *angles);
   REQUIRE(table.bodies() == 4);  // three panels and the link
   CHECK(animation_keys(table).size() < 6);
-  const auto bytes = glb(loose, table, {});
-  REQUIRE(bytes);
-  const GlbScene scene(*bytes);
+  const auto bytes = testing::value(glb(loose, table, {}));
+  const GlbScene scene(bytes);
   for (std::size_t f = 0; f < 3; ++f) {
     for (std::size_t k = 0; k < table.poses(); ++k) {
       const double at = scene.seconds() * static_cast<double>(k) / 29;
@@ -390,9 +379,9 @@ TEST_CASE("tables of panels are refused with the line", "[core][deploy][csv]") {
         std::string::npos);
   CHECK(error_of("0,5,30,1e9,5,30,10,7,1,1,0,8").kind == ErrorKind::OutOfRange);
   CHECK(error_of("0,5,30,10,5,30,10,7,1,1,0,8,9").place == "line 1");
-  const auto read = read_segments_csv("x1,y1,...\r\n" + good + "\r\n", SegmentConvention::Popcut);
-  REQUIRE(read);
-  CHECK(read->size() == 1);
+  const auto read =
+      testing::value(read_segments_csv("x1,y1,...\r\n" + good + "\r\n", SegmentConvention::Popcut));
+  CHECK(read.size() == 1);
 }
 
 TEST_CASE("the paper's convention turns its falling y into z", "[core][deploy][csv]") {
@@ -419,10 +408,10 @@ TEST_CASE("the closed stack is as high as the panels that lie on each other",
   CHECK(stack.v_mm == Approx(32.5));
   CHECK(stack.stays_open_rad == Approx(0.6 / 24.5));
   CHECK_FALSE(thickness_warning(stack, 0.3));
-  const auto thick = thickness_warning(shut_stack(testing::box_card_strips(), 5), 5);
-  REQUIRE(thick);
-  CHECK(thick->message.find("10.0 mm of paper") != std::string::npos);
-  CHECK(thick->message.find("smallest panel") != std::string::npos);
+  const auto thick =
+      testing::value(thickness_warning(shut_stack(testing::box_card_strips(), 5), 5));
+  CHECK(thick.message.find("10.0 mm of paper") != std::string::npos);
+  CHECK(thick.message.find("smallest panel") != std::string::npos);
 }
 
 TEST_CASE("posters and animations refuse poses that cannot be drawn", "[core][deploy][poster]") {

@@ -10,6 +10,7 @@
 #include <catch2/catch.hpp>
 
 #include "core/design/design.hpp"
+#include "tests/support/value.hpp"
 
 namespace design_test {
 
@@ -28,19 +29,13 @@ struct Recipe {
 
 /// A revolution of about 100 mm with the measures that the published tables use.
 DesignSpec spec_of(const Recipe& r) {
-  const auto spec = parse_design_spec(fmt::format(
+  return testing::value(parse_design_spec(fmt::format(
       R"({{"popcut": 1, "surface": {{"type": "revolution", "radius": "{}"}}, "scale_mm": 100,
           "units_per_slice": {}, "slices": {}, "widths_mm": {}, "lattice": "{}"{}}})",
-      r.radius, r.units, r.slices, 100 * r.width, r.lattice, r.more));
-  if (!spec) FAIL(message(spec.error()));
-  return *spec;
+      r.radius, r.units, r.slices, 100 * r.width, r.lattice, r.more)));
 }
 
-Design made(const Recipe& recipe) {
-  auto result = design(spec_of(recipe));
-  if (!result) FAIL(message(result.error()));
-  return std::move(*result);
-}
+Design made(const Recipe& recipe) { return testing::value(design(spec_of(recipe))); }
 
 const std::string kSphere = "sqrt(1.05-y^2)", kSaddle = "sqrt(1+y^2)", kWave = "1+0.15*sin(3*y)";
 
@@ -156,18 +151,16 @@ TEST_CASE("a sheet has the widths and places of the design reference", "[core][d
 }
 
 TEST_CASE("uneven widths put each slice at the middle of its strip", "[core][design]") {
-  const auto spec = parse_design_spec(
+  const auto spec = testing::value(parse_design_spec(
       R"({"popcut":1,"surface":{"type":"revolution","radius":"60"},"units_per_slice":4,"slices":4,
-          "widths_mm":[4,10,6,12]})");
-  REQUIRE(spec);
-  const auto d = design(*spec);
-  REQUIRE(d);
+          "widths_mm":[4,10,6,12]})"));
+  const auto d = testing::value(design(spec));
   const double s[] = {0, 7, 15, 24};
   for (std::size_t j = 0; j < 4; ++j) {
-    CHECK_THAT(d->report.slices[j].s_mm, Catch::WithinAbs(s[j], 1e-12));
-    CHECK_THAT(d->report.slices[j].v_mm, Catch::WithinAbs(s[j] + 15 + 1, 1e-12));
+    CHECK_THAT(d.report.slices[j].s_mm, Catch::WithinAbs(s[j], 1e-12));
+    CHECK_THAT(d.report.slices[j].v_mm, Catch::WithinAbs(s[j] + 15 + 1, 1e-12));
   }
-  CHECK_THAT(d->report.sheet_v_mm, Catch::WithinAbs(30 + 32 - 4, 1e-12));
+  CHECK_THAT(d.report.sheet_v_mm, Catch::WithinAbs(30 + 32 - 4, 1e-12));
 }
 
 TEST_CASE("a conformal lattice puts every inner connector vertex on the target", "[core][design]") {
@@ -235,58 +228,50 @@ TEST_CASE("a target too steep for its neighbours keeps one freedom and reports t
 }
 
 TEST_CASE("a profile surface is designed as well as a revolution", "[core][design]") {
-  const auto spec = parse_design_spec(
+  const auto spec = testing::value(parse_design_spec(
       R"j({"popcut":1,"surface":{"type":"profile","z":"1.2 - x^2*(1 + 0.3*y)"},"scale_mm":50,
-          "units_per_slice":6,"slices":8,"widths_mm":6,"lattice":"conformal"})j");
-  REQUIRE(spec);
-  const auto d = design(*spec);
-  if (!d) FAIL(message(d.error()));
-  CHECK(d->report.degrees_of_freedom == 1);
-  CHECK(d->report.inner_error.max_mm < 0.5);
+          "units_per_slice":6,"slices":8,"widths_mm":6,"lattice":"conformal"})j"));
+  const auto d = testing::value(design(spec));
+  CHECK(d.report.degrees_of_freedom == 1);
+  CHECK(d.report.inner_error.max_mm < 0.5);
 }
 
 TEST_CASE("regions have their own units and radius and are separated by plain cuts",
           "[core][design]") {
-  const auto spec = parse_design_spec(
+  const auto spec = testing::value(parse_design_spec(
       R"({"popcut":1,"surface":{"type":"composite","radii":[60,25,40]},"regions":[
           {"units_per_slice":1,"slices":11,"width_mm":12},{"units_per_slice":2,"slices":26,"width_mm":4},
-          {"units_per_slice":3,"slices":15,"width_mm":8}]})");
-  if (!spec) FAIL(message(spec.error()));
-  const auto d = design(*spec);
-  if (!d) FAIL(message(d.error()));
-  CHECK(d->report.degrees_of_freedom == 1);
-  CHECK(d->report.units_per_slice == std::vector<int>{1, 2, 3});
-  CHECK(d->report.slices.size() == 52);
-  CHECK_THAT(d->report.notes[0], Catch::Contains("between slices 10 and 11"));
+          {"units_per_slice":3,"slices":15,"width_mm":8}]})"));
+  const auto d = testing::value(design(spec));
+  CHECK(d.report.degrees_of_freedom == 1);
+  CHECK(d.report.units_per_slice == std::vector<int>{1, 2, 3});
+  CHECK(d.report.slices.size() == 52);
+  CHECK_THAT(d.report.notes[0], Catch::Contains("between slices 10 and 11"));
   // The first slice lies half a width into the first region: R1 and half a cosine.
   const double y_over_l = 0.5 / 11;
   const double r = 60 - 35 * 0.5 * (1 - std::cos(M_PI * y_over_l));
-  CHECK_THAT(d->strips.x[d->strips.first_point(1) + 2], Catch::WithinAbs(r, 1e-9));
+  CHECK_THAT(d.strips.x[d.strips.first_point(1) + 2], Catch::WithinAbs(r, 1e-9));
 }
 
 TEST_CASE("neighbouring regions with equal units are joined by a connector", "[core][design]") {
-  const auto spec = parse_design_spec(
+  const auto spec = testing::value(parse_design_spec(
       R"({"popcut":1,"regions":[{"radius":"50 + 5*y/L","units_per_slice":4,"slices":3,"width_mm":6},
-          {"radius":"55 - 5*y/L","units_per_slice":4,"slices":3,"width_mm":9}]})");
-  if (!spec) FAIL(message(spec.error()));
-  const auto d = design(*spec);
-  if (!d) FAIL(message(d.error()));
-  CHECK(d->report.degrees_of_freedom == 1);
-  CHECK(d->report.notes.empty());
-  CHECK(std::count(d->strips.kind.begin(), d->strips.kind.end(), StripKind::Connector) == 5);
+          {"radius":"55 - 5*y/L","units_per_slice":4,"slices":3,"width_mm":9}]})"));
+  const auto d = testing::value(design(spec));
+  CHECK(d.report.degrees_of_freedom == 1);
+  CHECK(d.report.notes.empty());
+  CHECK(std::count(d.strips.kind.begin(), d.strips.kind.end(), StripKind::Connector) == 5);
 }
 
 TEST_CASE("adaptive widths keep to their error with fewer slices than equal ones",
           "[core][design]") {
-  const auto spec = parse_design_spec(
+  const auto spec = testing::value(parse_design_spec(
       R"j({"popcut":1,"surface":{"type":"revolution","radius":"40 + 15*exp(-((y-60)/12)^2)"},
-          "units_per_slice":4,"slices":200,"widths_mm":{"max_error_mm":0.4,"length_mm":120}})j");
-  if (!spec) FAIL(message(spec.error()));
-  const auto d = design(*spec);
-  if (!d) FAIL(message(d.error()));
-  CHECK(d->report.degrees_of_freedom == 1);
+          "units_per_slice":4,"slices":200,"widths_mm":{"max_error_mm":0.4,"length_mm":120}})j"));
+  const auto d = testing::value(design(spec));
+  CHECK(d.report.degrees_of_freedom == 1);
   const auto r = [](double y) { return 40 + 15 * std::exp(-(y - 60) * (y - 60) / 144); };
-  const auto& slices = d->report.slices;
+  const auto& slices = d.report.slices;
   double total = 0.5 * (slices.front().width_mm + slices.back().width_mm);
   for (std::size_t j = 0; j + 1 < slices.size(); ++j) {
     const double a = slices[j].s_mm, b = slices[j + 1].s_mm;
@@ -295,8 +280,8 @@ TEST_CASE("adaptive widths keep to their error with fewer slices than equal ones
   }
   CHECK(total >= 120);
   int uniform = 0, chosen = 0;
-  REQUIRE(sscanf(d->report.notes.at(0).c_str(),
-                 "%d slices of chosen widths; equal ones would be %d", &chosen, &uniform) == 2);
+  REQUIRE(sscanf(d.report.notes.at(0).c_str(), "%d slices of chosen widths; equal ones would be %d",
+                 &chosen, &uniform) == 2);
   CHECK(chosen == static_cast<int>(slices.size()));
   CHECK(uniform > chosen);
 }
@@ -396,11 +381,10 @@ TEST_CASE("a profile that rises or never reaches the ground is refused with its 
        {"1 - x + (x > 0.5 ? sqrt(-1) : 0)", ErrorKind::Infeasible, "breaks off"},
        {"0 - x", ErrorKind::Infeasible, "start above"}}));
   CAPTURE(z);
-  const auto spec = parse_design_spec(fmt::format(
+  const auto spec = testing::value(parse_design_spec(fmt::format(
       R"({{"popcut":1,"surface":{{"type":"profile","z":"{}"}},"scale_mm":50,"units_per_slice":4,"slices":3,"widths_mm":5}})",
-      z));
-  REQUIRE(spec);
-  const auto result = design(*spec);
+      z)));
+  const auto result = design(spec);
   REQUIRE_FALSE(result);
   CHECK(result.error().kind == kind);
   CHECK_THAT(result.error().detail, Catch::Contains(says));

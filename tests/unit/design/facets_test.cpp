@@ -37,6 +37,7 @@
 #include "tests/support/lattice_reader.hpp"
 #include "tests/support/random_numbers.hpp"
 #include "tests/support/rounds.hpp"
+#include "tests/support/value.hpp"
 
 namespace facets_test {
 
@@ -246,11 +247,10 @@ TEST_CASE("a cut across a strip parts its panels and is one line", "[facets]") {
     std::fill(strip.begin() + 16, strip.begin() + 20, s == 0 ? front : kGroundLabel);
     std::fill(strip.begin() + 20, strip.end(), kGroundLabel);
   }
-  const auto pattern = pattern_of(image, planes, {12, 12, 3}, 0.5);
-  REQUIRE(pattern);
-  CHECK(pattern->motion.degrees_of_freedom == 1);
-  CHECK(pattern->motion.pieces == 1);
-  const auto& lines = pattern->built.pattern.lines;
+  const auto pattern = testing::value(pattern_of(image, planes, {12, 12, 3}, 0.5));
+  CHECK(pattern.motion.degrees_of_freedom == 1);
+  CHECK(pattern.motion.pieces == 1);
+  const auto& lines = pattern.built.pattern.lines;
   const auto across = std::count_if(lines.begin(), lines.end(), [](const SheetLine& line) {
     return line.role == EdgeRole::Slit && line.u0 == line.u1;
   });
@@ -290,17 +290,15 @@ TEST_CASE(
   add_ball(ball, {32, 40, 32}, 30);
   FacetOptions options = coarse(80);
   options.in_paper = false;
-  const auto lattice = facet_card(ball, options);
-  if (!lattice) FAIL(message(lattice.error()));
+  const auto lattice = testing::value(facet_card(ball, options));
   options.lattice = false;
-  const auto facets = facet_card(ball, options);
-  if (!facets) FAIL(message(facets.error()));
-  CHECK(lattice->pattern.motion.degrees_of_freedom == 1);
-  CHECK(lattice->figures.shifted > 0);
-  CHECK(lattice->moves > 0);
-  CHECK(facets->figures.shifted == 0);
-  CHECK(facets->moves == 0);
-  CHECK(lattice->figures.depth_mean_mm < 0.97 * facets->figures.depth_mean_mm);
+  const auto facets = testing::value(facet_card(ball, options));
+  CHECK(lattice.pattern.motion.degrees_of_freedom == 1);
+  CHECK(lattice.figures.shifted > 0);
+  CHECK(lattice.moves > 0);
+  CHECK(facets.figures.shifted == 0);
+  CHECK(facets.moves == 0);
+  CHECK(lattice.figures.depth_mean_mm < 0.97 * facets.figures.depth_mean_mm);
 }
 
 TEST_CASE("patches move only to where labels cost less and all holds", "[facets]") {
@@ -430,12 +428,11 @@ TEST_CASE("a price on folds makes fewer of them, and longer ones where that is a
     options.pitch_mm = 4;
     const auto made_with = [&](double hinge_mm3, double widen_to_mm) {
       options.weights.hinge_mm3 = hinge_mm3, options.widen_to_mm = widen_to_mm;
-      auto made = facet_card(scene, options);
-      if (!made) FAIL(message(made.error()));
-      CHECK(made->pattern.motion.degrees_of_freedom == 1);
-      CHECK(made->pattern.motion.pieces == 1);
-      CHECK(stands(*made));
-      return hands::handwork(made->pattern.built.pattern);
+      auto made = testing::value(facet_card(scene, options));
+      CHECK(made.pattern.motion.degrees_of_freedom == 1);
+      CHECK(made.pattern.motion.pieces == 1);
+      CHECK(stands(made));
+      return hands::handwork(made.pattern.built.pattern);
     };
     cheap += made_with(0.0, 0.0).folds;
     const hands::Handwork few = made_with(300.0, 0.0), wide = made_with(300.0, 6.0);
@@ -566,49 +563,45 @@ TEST_CASE("a village of boxes comes out without error and with its own patches",
       add_box(
           village, {0, v, 0},
           {2.0 * whole(random, 4, 15), v + 2.0 * whole(random, 3, 6), 2.0 * whole(random, 4, 15)});
-    const auto made = facet_card(village, coarse(90));
-    if (!made) FAIL(message(made.error()));
-    CHECK(made->figures.depth_mean_mm == Approx(0).margin(1e-4));
-    CHECK(made->figures.patches == static_cast<std::size_t>(2 * boxes + 2));
-    CHECK(made->pattern.motion.degrees_of_freedom == 1);
+    const auto made = testing::value(facet_card(village, coarse(90)));
+    CHECK(made.figures.depth_mean_mm == Approx(0).margin(1e-4));
+    CHECK(made.figures.patches == static_cast<std::size_t>(2 * boxes + 2));
+    CHECK(made.pattern.motion.degrees_of_freedom == 1);
   }
 }
 
 TEST_CASE("stairs that the card does not hold get struts, and are loose without them", "[facets]") {
   TriangleSoup stairs;
   for (int k = 0; k < 4; ++k) add_box(stairs, {0, 10, 0}, {10.0 + 8 * k, 50, 40.0 - 8 * k});
-  const auto made = facet_card(stairs, coarse(60));
-  if (!made) FAIL(message(made.error()));
-  CHECK(made->figures.loose_before > 0);
-  CHECK(made->pattern.motion.degrees_of_freedom == 1);
-  CHECK(made->figures.dropped == 0);
-  REQUIRE(!made->repaired.struts.empty());
-  for (const FacetStrut& strut : made->repaired.struts) {
-    LabelImage without = made->labels;
+  const auto made = testing::value(facet_card(stairs, coarse(60)));
+  CHECK(made.figures.loose_before > 0);
+  CHECK(made.pattern.motion.degrees_of_freedom == 1);
+  CHECK(made.figures.dropped == 0);
+  REQUIRE(!made.repaired.struts.empty());
+  for (const FacetStrut& strut : made.repaired.struts) {
+    LabelImage without = made.labels;
     std::copy(strut.without.begin(), strut.without.end(), without.strip(strut.strip).begin());
-    const auto loose = pattern_of(without, made->planes, made->card, 0.5);
-    REQUIRE(loose);
-    CHECK(loose->motion.degrees_of_freedom > 1);
+    const auto loose = testing::value(pattern_of(without, made.planes, made.card, 0.5));
+    CHECK(loose.motion.degrees_of_freedom > 1);
   }
   // Most of each step is there.
-  CHECK(made->figures.depth_mean_mm < 1.0);
+  CHECK(made.figures.depth_mean_mm < 1.0);
 }
 
 TEST_CASE("what stands in the air hangs on one strip, and a least distance of 0 is said",
           "[facets]") {
   TriangleSoup box;
   add_box(box, {10, 20, 28}, {24, 40, 42});
-  const auto made = facet_card(box, coarse(60));
-  if (!made) FAIL(message(made.error()));
-  CHECK(made->pattern.motion.degrees_of_freedom == 1);
-  CHECK(made->pattern.motion.pieces == 1);
-  CHECK(made->repaired.bridges == 1);
-  CHECK(made->figures.struts == 1);
-  CHECK(made->figures.patches == 4);  // wall, ground, top and front
-  CHECK(std::isinf(made->figures.over_least));
+  const auto made = testing::value(facet_card(box, coarse(60)));
+  CHECK(made.pattern.motion.degrees_of_freedom == 1);
+  CHECK(made.pattern.motion.pieces == 1);
+  CHECK(made.repaired.bridges == 1);
+  CHECK(made.figures.struts == 1);
+  CHECK(made.figures.patches == 4);  // wall, ground, top and front
+  CHECK(std::isinf(made.figures.over_least));
   // The front is as wide as the box: 20 mm of its upper edge fold.
   double edge_mm = 0.0;
-  const Pattern& pattern = made->pattern.built.pattern;
+  const Pattern& pattern = made.pattern.built.pattern;
   for_each_side(pattern, [&](const PatternVertex& a, const PatternVertex& b) {
     if (std::abs(a.x - 24) < 1e-9 && std::abs(b.x - 24) < 1e-9 && std::abs(a.z - 42) < 1e-9 &&
         std::abs(b.z - 42) < 1e-9)
@@ -622,16 +615,15 @@ TEST_CASE("a gate is chosen over its pillars alone, since a window opens it", "[
   add_box(gate, {20, 0, 0}, {26, 10, 40});
   add_box(gate, {20, 50, 0}, {26, 60, 40});
   add_box(gate, {20, 0, 40}, {26, 60, 46});
-  const auto made = facet_card(gate, coarse(60));
-  if (!made) FAIL(message(made.error()));
-  CHECK(made->pattern.motion.degrees_of_freedom == 1);
-  CHECK(made->windows == 1);
+  const auto made = testing::value(facet_card(gate, coarse(60)));
+  CHECK(made.pattern.motion.degrees_of_freedom == 1);
+  CHECK(made.windows == 1);
   for (const double v : {5.0, 30.0, 55.0}) {  // x = 26, z = 43 of the beam, on all its length
-    const int s = static_cast<int>(v / made->grid.strip_mm);
-    const int column = made->grid.wall + static_cast<int>((26.0 - 43.0) / made->grid.step_mm);
-    const FacetPlane& plane = made->planes[made->labels.strip(s)[static_cast<std::size_t>(column)]];
+    const int s = static_cast<int>(v / made.grid.strip_mm);
+    const int column = made.grid.wall + static_cast<int>((26.0 - 43.0) / made.grid.step_mm);
+    const FacetPlane& plane = made.planes[made.labels.strip(s)[static_cast<std::size_t>(column)]];
     CHECK(plane.upright);
-    CHECK(plane.offset * made->grid.step_mm == Approx(26));
+    CHECK(plane.offset * made.grid.step_mm == Approx(26));
   }
 }
 
@@ -645,10 +637,9 @@ TEST_CASE("no facets come nearer to the target than the least distance of their 
       add_box(heap, low,
               low + Vec3(uniform(random, 3, 20), uniform(random, 5, 30), uniform(random, 3, 20)));
     }
-    const auto made = facet_card(heap, coarse(80));
-    if (!made) FAIL(message(made.error()));
-    CHECK(made->figures.over_least >= 1.0 - 1e-9);
-    CHECK(made->pattern.motion.degrees_of_freedom == 1);
+    const auto made = testing::value(facet_card(heap, coarse(80)));
+    CHECK(made.figures.over_least >= 1.0 - 1e-9);
+    CHECK(made.pattern.motion.degrees_of_freedom == 1);
   }
 }
 
@@ -657,10 +648,9 @@ TEST_CASE("facets keep inside a card that is asked for, shut as well", "[facets]
   add_box(box, {0, 10, 0}, {50, 40, 50});
   FacetOptions options = coarse(50);
   options.wall_mm = 60, options.ground_mm = 55;
-  const auto made = facet_card(box, options);
-  if (!made) FAIL(message(made.error()));
-  CHECK(made->card.wall_mm == 60);
-  for (const PatternVertex& p : made->pattern.built.pattern.vertices)
+  const auto made = testing::value(facet_card(box, options));
+  CHECK(made.card.wall_mm == 60);
+  for (const PatternVertex& p : made.pattern.built.pattern.vertices)
     if (p.x > 0 && p.z > 0) CHECK(p.x + p.z <= 55 + 1e-9);
 }
 
@@ -676,9 +666,8 @@ TEST_CASE("cuts follow the contour of a disc, and the sheet stays whole", "[face
     disc.add(Vec3(x, middle_v, middle_z), at(k), at(k + 1));
   }
   add_box(disc, {0, 26, 0}, {x, 34, 40});
-  const auto made = facet_card(disc, coarse(60));
-  if (!made) FAIL(message(made.error()));
-  const Pattern& pattern = made->pattern.built.pattern;
+  const auto made = testing::value(facet_card(disc, coarse(60)));
+  const Pattern& pattern = made.pattern.built.pattern;
   double area = 0.0;
   int slanted = 0;
   for_each_side(pattern, [&](const PatternVertex& a, const PatternVertex& b) {
@@ -743,9 +732,8 @@ TEST_CASE("a panel whose contours slant stays as wide as the least panel", "[fac
   }
   FacetOptions options = coarse(50);
   options.min_panel_mm = 0.81;
-  const auto made = facet_card(pyramids, options);
-  if (!made) FAIL(message(made.error()));
-  const Pattern& pattern = made->pattern.built.pattern;
+  const auto made = testing::value(facet_card(pyramids, options));
+  const Pattern& pattern = made.pattern.built.pattern;
   for (std::size_t f = 0; f < pattern.faces(); ++f) CHECK(narrowest_mm(pattern, f) > 0.81);
 }
 
@@ -755,12 +743,11 @@ TEST_CASE("the inside of a letter is a window, and the letter stays one face", "
   add_box(letter, {0, 20, 50}, {20, 42, 60});
   add_box(letter, {0, 20, 26}, {20, 42, 36});
   add_box(letter, {0, 32, 36}, {20, 42, 50});
-  const auto made = facet_card(letter, coarse(50));
-  if (!made) FAIL(message(made.error()));
-  CHECK(made->windows == 1);
-  CHECK(made->pattern.motion.degrees_of_freedom == 1);
-  CHECK(made->pattern.motion.pieces == 1);
-  const Pattern& pattern = made->pattern.built.pattern;
+  const auto made = testing::value(facet_card(letter, coarse(50)));
+  CHECK(made.windows == 1);
+  CHECK(made.pattern.motion.degrees_of_freedom == 1);
+  CHECK(made.pattern.motion.pieces == 1);
+  const Pattern& pattern = made.pattern.built.pattern;
   double area = 0.0;
   for_each_side(pattern, [&](const PatternVertex& a, const PatternVertex& b) {
     area += area_beside(pattern, a, b);
@@ -780,15 +767,15 @@ TEST_CASE("the inside of a letter is a window, and the letter stays one face", "
     }
   // All cuts have two sides of paper but those around the window.
   double around = 0.0;
-  for (int s = 0; s < made->labels.grid.strips; ++s)
-    for (int i = 0; i < made->labels.grid.columns; ++i) {
+  for (int s = 0; s < made.labels.grid.strips; ++s)
+    for (int i = 0; i < made.labels.grid.columns; ++i) {
       const auto label = [&](int strip, int column) {
-        return made->labels.strip(strip)[static_cast<std::size_t>(column)];
+        return made.labels.strip(strip)[static_cast<std::size_t>(column)];
       };
       if (label(s, i) != kNoLabel) continue;
       for (const int way : {-1, 1}) {
-        if (label(s + way, i) != kNoLabel) around += made->labels.grid.step_mm;
-        if (label(s, i + way) != kNoLabel) around += made->labels.grid.strip_mm;
+        if (label(s + way, i) != kNoLabel) around += made.labels.grid.step_mm;
+        if (label(s, i + way) != kNoLabel) around += made.labels.grid.strip_mm;
       }
     }
   CHECK(sides == Approx(2 * drawn - around));
@@ -844,16 +831,15 @@ TEST_CASE("a bridged island has a window above and one below its bridges", "[fac
   add_box(ring, {0, 38, 35}, {20, 52, 39});
   FacetOptions options = coarse(60);
   options.lattice = false;  // else struts hold what is seen in the hole
-  const auto made = facet_card(ring, options);
-  if (!made) FAIL(message(made.error()));
-  CHECK(made->windows >= 2);
-  CHECK(made->pattern.motion.degrees_of_freedom == 1);
-  CHECK(made->pattern.motion.pieces == 1);
+  const auto made = testing::value(facet_card(ring, options));
+  CHECK(made.windows >= 2);
+  CHECK(made.pattern.motion.degrees_of_freedom == 1);
+  CHECK(made.pattern.motion.pieces == 1);
   // The block is paper, in front of the frame's hole above and below it.
   const auto label = [&](double v, double z) {
-    const int s = static_cast<int>(v / made->grid.strip_mm);
-    const int column = made->grid.wall + static_cast<int>((20.0 - z) / made->grid.step_mm);
-    return made->labels.strip(s)[static_cast<std::size_t>(column)];
+    const int s = static_cast<int>(v / made.grid.strip_mm);
+    const int column = made.grid.wall + static_cast<int>((20.0 - z) / made.grid.step_mm);
+    return made.labels.strip(s)[static_cast<std::size_t>(column)];
   };
   CHECK(label(30, 37) != kNoLabel);
   CHECK(label(30, 55) == kNoLabel);
@@ -868,50 +854,43 @@ TEST_CASE("what is seen in the hole of a frame stands there, where a strut for i
   add_box(frame, {0, 0, 8}, {20, 8, 62});
   add_box(frame, {0, 52, 8}, {20, 60, 62});
   add_box(frame, {0, 22, 8}, {20, 38, 44});
-  const auto made = facet_card(frame, coarse(60));
-  if (!made) FAIL(message(made.error()));
-  CHECK(made->pattern.motion.degrees_of_freedom == 1);
-  CHECK(made->pattern.motion.pieces == 1);
-  CHECK(made->repaired.bridges == 0);  // nothing of it hangs in the air
-  CHECK(made->repaired.inner + made->repaired.struts.size() > 0);
-  CHECK(made->figures.struts == made->repaired.inner + made->repaired.struts.size());
+  const auto made = testing::value(facet_card(frame, coarse(60)));
+  CHECK(made.pattern.motion.degrees_of_freedom == 1);
+  CHECK(made.pattern.motion.pieces == 1);
+  CHECK(made.repaired.bridges == 0);  // nothing of it hangs in the air
+  CHECK(made.repaired.inner + made.repaired.struts.size() > 0);
+  CHECK(made.figures.struts == made.repaired.inner + made.repaired.struts.size());
   const auto plane_at = [&](double v, double x_less_z) {
-    const int s = static_cast<int>(v / made->grid.strip_mm);
-    const int column = made->grid.wall + static_cast<int>(x_less_z / made->grid.step_mm);
-    return made->planes[made->labels.strip(s)[static_cast<std::size_t>(column)]];
+    const int s = static_cast<int>(v / made.grid.strip_mm);
+    const int column = made.grid.wall + static_cast<int>(x_less_z / made.grid.step_mm);
+    return made.planes[made.labels.strip(s)[static_cast<std::size_t>(column)]];
   };
   const FacetPlane top = plane_at(30, 9 - 44);
   CHECK_FALSE(top.upright);
-  CHECK(top.offset * made->grid.step_mm == Approx(44));
+  CHECK(top.offset * made.grid.step_mm == Approx(44));
 }
 
 TEST_CASE("the page shows facets as other designs", "[facets]") {
-  const auto spec = parse_design_spec(
+  const auto spec = testing::value(parse_design_spec(
       R"j({"popcut": 1, "style": "facets", "surface": {"type": "implicit",
-           "f": "max(max(x - 30, abs(y - 30) - 20), z - 30)"}, "facets": {"length_mm": 60}})j");
-  if (!spec) FAIL(message(spec.error()));
-  const auto made = design(*spec);
-  if (!made) FAIL(message(made.error()));
-  CHECK(made->report.facets);
-  CHECK(made->report.degrees_of_freedom == 1);
-  REQUIRE(surface_fit(*made));
-  CHECK(surface_fit(*made)->to_target.mean_mm < 1.0);
+           "f": "max(max(x - 30, abs(y - 30) - 20), z - 30)"}, "facets": {"length_mm": 60}})j"));
+  const auto made = testing::value(design(spec));
+  CHECK(made.report.facets);
+  CHECK(made.report.degrees_of_freedom == 1);
+  REQUIRE(surface_fit(made));
+  CHECK(surface_fit(made)->to_target.mean_mm < 1.0);
   LatticeBlobOptions options;
   options.error = true;
-  const auto blob = lattice_blob(*made, options);
-  if (!blob) FAIL(message(blob.error()));
-  CHECK(blob->size() > 1000);
+  const auto blob = testing::value(lattice_blob(made, options));
+  CHECK(blob.size() > 1000);
 }
 
 /// A design of facets of a solid, with a card or without.
 Design facets_of(const std::string& solid, const std::string& card) {
-  const auto spec = parse_design_spec(
+  const auto spec = testing::value(parse_design_spec(
       R"j({"popcut": 1, "style": "facets", "surface": {"type": "implicit", "f": ")j" + solid +
-      R"j("}, "facets": {"length_mm": 60})j" + card + "}");
-  if (!spec) FAIL(message(spec.error()));
-  auto made = design(*spec);
-  if (!made) FAIL(message(made.error()));
-  return std::move(*made);
+      R"j("}, "facets": {"length_mm": 60})j" + card + "}"));
+  return testing::value(design(spec));
 }
 
 /// The warning with this code; empty if there is none.
@@ -950,14 +929,13 @@ TEST_CASE("a part that hangs in the air on one strip is named in a warning", "[f
 
 TEST_CASE("a warning says that paper fills the gaps of a drawing", "[facets]") {
   const auto drawn = [](const std::string& shapes) {
-    const auto spec = parse_design_spec(
+    const auto spec = testing::value(parse_design_spec(
         R"({"popcut": 1, "style": "facets",
-            "surface": {"type": "outline", "file": "a.svg", "height": 60, "depth": 20}})");
-    REQUIRE(spec);
+            "surface": {"type": "outline", "file": "a.svg", "height": 60, "depth": 20}})"));
     auto made = design(
-        *spec, {{"a.svg", R"(<svg xmlns="http://www.w3.org/2000/svg" width="60mm" height="60mm"
+        spec, {{"a.svg", R"(<svg xmlns="http://www.w3.org/2000/svg" width="60mm" height="60mm"
                               viewBox="0 0 60 60">)" +
-                              shapes + "</svg>"}});
+                             shapes + "</svg>"}});
     if (!made) FAIL(message(made.error()));
     return warning_of(*made, "gaps_filled");
   };
@@ -973,22 +951,17 @@ TEST_CASE("a profile that touches the ground ends there", "[facets]") {
   const std::string start = R"j({"popcut": 1, "surface": {"type": "profile", "z": ")j";
   for (const std::string& z : {"40*(1-x/90)^2", "20*(1+cos(x*pi/90))", "40*(1-x/(90+y/10))^2"}) {
     CAPTURE(z);
-    const auto spec = parse_design_spec(
-        start + z + R"j("}, "style": "facets", "facets": {"length_mm": 8, "strip_mm": 4}})j");
-    REQUIRE(spec);
-    const auto made = design(*spec);
-    if (!made) FAIL(message(made.error()));
-    CHECK(made->pattern.ground_mm < 120.0);
-    CHECK(made->pattern.wall_mm < 120.0);
+    const auto spec = testing::value(parse_design_spec(
+        start + z + R"j("}, "style": "facets", "facets": {"length_mm": 8, "strip_mm": 4}})j"));
+    const auto made = testing::value(design(spec));
+    CHECK(made.pattern.ground_mm < 120.0);
+    CHECK(made.pattern.wall_mm < 120.0);
     // The target of the fit ends there too.
-    const auto lattice = parse_design_spec(
-        start + z + R"j("}, "units_per_slice": 4, "slices": 3, "widths_mm": 3})j");
-    REQUIRE(lattice);
-    const auto strips = design(*lattice);
-    if (!strips) FAIL(message(strips.error()));
-    const auto fit = surface_fit(*strips);
-    REQUIRE(fit);
-    CHECK(fit->out_of_reach.overhang < 0.05);
+    const auto lattice = testing::value(parse_design_spec(
+        start + z + R"j("}, "units_per_slice": 4, "slices": 3, "widths_mm": 3})j"));
+    const auto strips = testing::value(design(lattice));
+    const auto fit = testing::value(surface_fit(strips));
+    CHECK(fit.out_of_reach.overhang < 0.05);
   }
 }
 
@@ -1180,18 +1153,15 @@ TEST_CASE(
     const bool overhangs = round % 2 == 1;
     CAPTURE(round, overhangs);
     const RandomHouse house = random_house(random, overhangs, uniform(random, 0.6, 1.0));
-    const auto card = facet_card(house.triangles(36), broad_with_kites());
-    if (!card) FAIL(message(card.error()));
-    const Pattern& pattern = card->pattern.built.pattern;
+    const auto card = testing::value(facet_card(house.triangles(36), broad_with_kites()));
+    const Pattern& pattern = card.pattern.built.pattern;
     REQUIRE(pattern.kites.size() == 1);
     CHECK(pattern.kites[0].section.overhangs() == overhangs);
     CHECK(pattern.faces() == 6);
-    CHECK(card->pattern.motion.degrees_of_freedom == 1);
-    auto model = judge::pattern_model(pattern, poses);
-    REQUIRE(model);
-    const auto report = verify_model(std::move(*model), how);
-    REQUIRE(report);
-    for (const VerifyCheck& check : report->checks) {
+    CHECK(card.pattern.motion.degrees_of_freedom == 1);
+    auto model = testing::value(judge::pattern_model(pattern, poses));
+    const auto report = testing::value(verify_model(std::move(model), how));
+    for (const VerifyCheck& check : report.checks) {
       CAPTURE(check.name);
       CHECK(check.ok());
     }
@@ -1211,11 +1181,10 @@ TEST_CASE("sloped panels hang on folds as long as is asked, where the roof is wi
   for (const auto& [asked_mm, dormer_mm] : {std::pair{0.0, 2.0}, {7.0, 8.0}, {30.0, 10.0}}) {
     FacetOptions options = broad_with_kites();
     options.strip_mm = 2, options.to_mm = 20, options.widen_to_mm = asked_mm;
-    const auto card = facet_card(house, options);
-    REQUIRE(card);
-    const Pattern& pattern = card->pattern.built.pattern;
+    const auto card = testing::value(facet_card(house, options));
+    const Pattern& pattern = card.pattern.built.pattern;
     REQUIRE(pattern.kites.size() == 1);
-    CHECK(card->pattern.motion.degrees_of_freedom == 1);
+    CHECK(card.pattern.motion.degrees_of_freedom == 1);
     CHECK(hands::handwork(pattern).shortest_mm == Approx(dormer_mm).margin(1e-6));
   }
 }
@@ -1248,16 +1217,13 @@ TEST_CASE("streets of houses, boxes and balls with sloped panels verify", "[face
     options.pitch_mm = whole(random, 3, 8), options.strip_mm = uniform(random, 2, 6);
     options.to_mm = v, options.kites = true, options.rough = whole(random, 0, 1) == 1;
     options.in_paper = whole(random, 0, 1) == 1;
-    const auto card = facet_card(street, options);
-    if (!card) FAIL(message(card.error()));
-    const Pattern& pattern = card->pattern.built.pattern;
+    const auto card = testing::value(facet_card(street, options));
+    const Pattern& pattern = card.pattern.built.pattern;
     CHECK_FALSE(pattern.kites.empty());
-    CHECK(card->pattern.motion.degrees_of_freedom == 1);
-    auto model = judge::pattern_model(pattern, poses);
-    REQUIRE(model);
-    const auto report = verify_model(std::move(*model), how);
-    REQUIRE(report);
-    for (const VerifyCheck& check : report->checks) {
+    CHECK(card.pattern.motion.degrees_of_freedom == 1);
+    auto model = testing::value(judge::pattern_model(pattern, poses));
+    const auto report = testing::value(verify_model(std::move(model), how));
+    for (const VerifyCheck& check : report.checks) {
       CAPTURE(check.name);
       CHECK(check.ok());
     }
@@ -1286,16 +1252,13 @@ TEST_CASE("verify refuses a sloped roof outside of its bound, and no other", "[f
       const auto strip = kite_labels(planes, grid, {0, 0, grid.strips, 1}, s);
       std::copy(strip.begin(), strip.end(), labels.strip(s).begin());
     }
-    auto made = pattern_of(labels, planes, {200, 200, 15}, 0.5);
-    REQUIRE(made);
-    mark_kites(*made, planes, grid.step_mm);
-    auto model = judge::pattern_model(made->built.pattern, poses);
-    REQUIRE(model);
+    auto made = testing::value(pattern_of(labels, planes, {200, 200, 15}, 0.5));
+    mark_kites(made, planes, grid.step_mm);
+    auto model = testing::value(judge::pattern_model(made.built.pattern, poses));
     VerifyOptions how;
     how.quick = true, how.degrees_of_freedom = 1;
-    const auto report = verify_model(std::move(*model), how);
-    REQUIRE(report);
-    CHECK(report->ok() == is_within);
+    const auto report = testing::value(verify_model(std::move(model), how));
+    CHECK(report.ok() == is_within);
     ++(is_within ? sound : unsound);
   }
   CHECK(std::min(sound, unsound) > 0);
@@ -1307,34 +1270,28 @@ TEST_CASE("a card with sloped panels comes back from its file, and moves the sam
   for (const bool overhangs : {false, true}) {
     CAPTURE(overhangs);
     const RandomHouse house = random_house(random, overhangs, 0.8);
-    auto card = facet_card(house.triangles(36), broad_with_kites());
-    if (!card) FAIL(message(card.error()));
-    const Pattern& pattern = card->pattern.built.pattern;
+    auto card = testing::value(facet_card(house.triangles(36), broad_with_kites()));
+    const Pattern& pattern = card.pattern.built.pattern;
     std::ostringstream text;
     REQUIRE(write_fold(pattern, {}, text));
-    const auto file = read_fold(text.str());
-    REQUIRE(file);
-    const auto back = pattern_from_fold(*file);
-    if (!back) FAIL(message(back.error()));
-    REQUIRE(back->kites.size() == 1);
-    CHECK(back->kites[0].vertices == pattern.kites[0].vertices);
+    const auto file = testing::value(read_fold(text.str()));
+    const auto back = testing::value(pattern_from_fold(file));
+    REQUIRE(back.kites.size() == 1);
+    CHECK(back.kites[0].vertices == pattern.kites[0].vertices);
     for (const double psi : {2.5, 0.3}) {
-      const auto is = posed_vertices(*back, psi), due = posed_vertices(pattern, psi);
+      const auto is = posed_vertices(back, psi), due = posed_vertices(pattern, psi);
       for (std::size_t k = 0; k < due.size(); ++k)
         CHECK(norm(Vec3(vec3(is[k]) - vec3(due[k]))) < 1e-6);
     }
     // The page opens it by frames; flat and shut they are those of a stair.
-    const auto blob = lattice_blob(pattern);
-    REQUIRE(blob);
-    const testing::LatticeReader read(*blob);
+    const auto blob = testing::value(lattice_blob(pattern));
+    const testing::LatticeReader read(blob);
     CHECK(read.head["motion"] == "frames");
     // Both sides measure how firmly it holds, each by its own code.
-    const auto report = verify_fold(text.str(), {});
-    REQUIRE(report);
-    const auto wobble = hands::wobble_of(pattern);
-    REQUIRE(wobble);
-    REQUIRE(report->wobble);
-    CHECK(report->wobble->largest_mm == Approx(wobble->largest_mm).epsilon(0.02));
+    const auto report = testing::value(verify_fold(text.str(), {}));
+    const auto wobble = testing::value(hands::wobble_of(pattern));
+    REQUIRE(report.wobble);
+    CHECK(report.wobble->largest_mm == Approx(wobble.largest_mm).epsilon(0.02));
   }
 }
 

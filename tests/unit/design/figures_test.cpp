@@ -11,6 +11,7 @@
 #include "core/figures/paper_figures.hpp"
 #include "core/figures/slice_figures.hpp"
 #include "core/figures/splay_patch.hpp"
+#include "tests/support/value.hpp"
 
 namespace figures_test {
 
@@ -37,10 +38,9 @@ TEST_CASE("a splayed patch turns from a dome into a saddle as it opens",
   SplayPatch patch;
   patch.alpha = 0.8;
   patch.alpha_along = 0.3;
-  const auto across = alpha_across_for_zero(patch, 0.28 * kPi);
-  REQUIRE(across);
-  CHECK(*across == Approx(2.796420435733).margin(1e-11));
-  patch.alpha_across = *across;
+  const auto across = testing::value(alpha_across_for_zero(patch, 0.28 * kPi));
+  CHECK(across == Approx(2.796420435733).margin(1e-11));
+  patch.alpha_across = across;
   CHECK(curvature_of(patch, 0.16 * kPi).K == Approx(0.05578106942315).margin(1e-12));
   CHECK(std::abs(curvature_of(patch, 0.28 * kPi).K) < 1e-12);
   CHECK(curvature_of(patch, 0.47 * kPi).K == Approx(-0.17575600674481).margin(1e-12));
@@ -53,10 +53,9 @@ TEST_CASE("the loss of a quarter circle falls in proportion to the spacing",
           "[core][curvature][figures]") {
   std::vector<double> spacing, loss;
   for (const int units : {100, 200, 400, 1000}) {
-    const auto value = quarter_circle_loss(units);
-    REQUIRE(value);
+    const auto value = testing::value(quarter_circle_loss(units));
     spacing.push_back(1.0 / units);
-    loss.push_back(*value);
+    loss.push_back(value);
   }
   CHECK(log_log_slope(spacing, loss) == Approx(1.0).margin(0.01));
   CHECK(loss.back() * 1000 == Approx(kPi * kPi / 4 - 2).epsilon(1e-4));
@@ -64,9 +63,8 @@ TEST_CASE("the loss of a quarter circle falls in proportion to the spacing",
 
 TEST_CASE("the paper's figures are all drawn and all their statements hold",
           "[core][curvature][figures]") {
-  const auto figures = paper_figures();
-  REQUIRE(figures);
-  for (const CheckedStatement& statement : figures->statements) {
+  const auto figures = testing::value(paper_figures());
+  for (const CheckedStatement& statement : figures.statements) {
     CAPTURE(statement.figure, statement.claim, statement.value);
     CHECK(statement.holds);
   }
@@ -74,11 +72,11 @@ TEST_CASE("the paper's figures are all drawn and all their statements hold",
        {"fig1c", "fig1d", "fig2c_top", "fig2c_bottom", "fig3c", "fig3d", "figS5"}) {
     for (const std::string ending : {".svg", ".csv"}) {
       CAPTURE(name, ending);
-      CHECK(std::any_of(figures->files.begin(), figures->files.end(),
+      CHECK(std::any_of(figures.files.begin(), figures.files.end(),
                         [&](const FigureFile& f) { return f.name == name + ending; }));
     }
   }
-  for (const FigureFile& file : figures->files) {
+  for (const FigureFile& file : figures.files) {
     pugi::xml_document document;
     if (file.name.ends_with(".svg")) CHECK(document.load_string(file.content.c_str()));
   }

@@ -14,6 +14,7 @@
 #include "core/design/design.hpp"
 #include "core/formats/fold/fold_writer.hpp"
 #include "tests/support/fold_draft.hpp"
+#include "tests/support/value.hpp"
 
 namespace fold_vertices_test {
 
@@ -25,15 +26,12 @@ constexpr double kPi = std::numbers::pi;
 
 Design design_of(const std::string& lattice, int units, int slices, bool card = true,
                  const std::string& radius = "sqrt(36-(y-2.4)^2)") {
-  const auto spec = parse_design_spec(fmt::format(
+  const auto spec = testing::value(parse_design_spec(fmt::format(
       R"({{"popcut": 1, "name": "t", "surface": {{"type": "revolution", "radius": "{}"}},
            "scale_mm": 10, "units_per_slice": {}, "slices": {}, "widths_mm": 6,
            "lattice": "{}"{}}})",
-      radius, units, slices, lattice, card ? "" : R"(, "card": false)"));
-  REQUIRE(spec);
-  auto made = design(*spec);
-  REQUIRE(made);
-  return std::move(*made);
+      radius, units, slices, lattice, card ? "" : R"(, "card": false)")));
+  return testing::value(design(spec));
 }
 
 std::string fold_text(const Design& made) {
@@ -77,24 +75,23 @@ TEST_CASE("every fold vertex of a design is found in its FOLD file alone",
     for (const auto& [units, slices] : {std::pair(2, 4), std::pair(5, 8), std::pair(7, 9)}) {
       CAPTURE(lattice, units, slices);
       const Design made = design_of(lattice, units, slices);
-      const auto found = fold_vertices_from_fold(fold_text(made));
-      REQUIRE(found);
+      const auto found = testing::value(fold_vertices_from_fold(fold_text(made)));
       const std::vector<Point3> due = inner_valleys(made);
       for (const Point3& p : due) {
         CAPTURE(p[0], p[1], p[2]);
-        CHECK(has(*found, p));
+        CHECK(has(found, p));
       }
       if (made.report.merged.empty()) {
         const auto all = static_cast<std::size_t>((units + 1) * (slices - 1));
-        CHECK(found->size() == all);
-        CHECK(inner_count(*found) == static_cast<std::size_t>((units - 1) * (slices - 3)));
-        for (const FoldVertex& vertex : *found) {
+        CHECK(found.size() == all);
+        CHECK(inner_count(found) == static_cast<std::size_t>((units - 1) * (slices - 3)));
+        for (const FoldVertex& vertex : found) {
           const bool inner =
               vertex.i > 0 && vertex.i < units && vertex.j > 0 && vertex.j < slices - 2;
           REQUIRE(vertex.inner() == inner);
           for (std::size_t n = 0; n < 4; ++n) {
             if (vertex.ring[n] < 0) continue;
-            const FoldVertex& next = (*found)[static_cast<std::size_t>(vertex.ring[n])];
+            const FoldVertex& next = found[static_cast<std::size_t>(vertex.ring[n])];
             constexpr int kLevel[] = {1, 0, -1, 0}, kConnector[] = {0, 1, 0, -1};
             REQUIRE(next.i == vertex.i + kLevel[n]);
             REQUIRE(next.j == vertex.j + kConnector[n]);
@@ -123,15 +120,15 @@ TEST_CASE("a sheet without a card has the same curvatures", "[core][curvature][p
 }
 
 TEST_CASE("a sphere's pattern is a dome and a saddle's is not", "[core][curvature][pattern]") {
-  const auto dome = fold_vertices_from_fold(fold_text(design_of("conformal", 6, 10)));
-  REQUIRE(dome);
+  const auto dome =
+      testing::value(fold_vertices_from_fold(fold_text(design_of("conformal", 6, 10))));
   for (const double psi : {kPi / 2, 1.1, 2.5}) {
-    for (const PosedCurvature& p : pattern_curvature(*dome, psi)) {
+    for (const PosedCurvature& p : pattern_curvature(dome, psi)) {
       CHECK(p.curvature.K > 0);
       CHECK(p.curvature.H > 0);
     }
   }
-  for (const PosedCurvature& p : pattern_curvature(*dome, kPi)) {
+  for (const PosedCurvature& p : pattern_curvature(dome, kPi)) {
     CHECK(p.curvature.K == Approx(0).margin(1e-12));
     CHECK(p.curvature.H == Approx(0).margin(1e-12));
   }
@@ -145,17 +142,16 @@ TEST_CASE("a sphere's pattern is a dome and a saddle's is not", "[core][curvatur
 TEST_CASE("a cylinder drawn by hand has no Gaussian curvature in any pose",
           "[core][curvature][pattern]") {
   for (const bool card : {true, false}) {
-    const auto found = fold_vertices_from_fold(
-        popcut::testing::draft_of(popcut::testing::CylinderCard{4, 6, 30, 10, 15, card}).text());
-    REQUIRE(found);
-    CHECK(inner_count(*found) == 3 * 3);
+    const auto found = testing::value(fold_vertices_from_fold(
+        popcut::testing::draft_of(popcut::testing::CylinderCard{4, 6, 30, 10, 15, card}).text()));
+    CHECK(inner_count(found) == 3 * 3);
     for (const double psi : {0.3, 1.1, kPi / 2, 2.6}) {
-      for (const PosedCurvature& p : pattern_curvature(*found, psi)) {
+      for (const PosedCurvature& p : pattern_curvature(found, psi)) {
         CHECK(p.curvature.K == Approx(0).margin(1e-9));
         CHECK(p.curvature.H > 0);
       }
     }
-    for (const FoldVertex& vertex : *found)
+    for (const FoldVertex& vertex : found)
       CHECK(std::hypot(vertex.x, vertex.z) == Approx(30).margin(1e-6));
   }
 }
@@ -223,11 +219,10 @@ TEST_CASE("a pattern without connectors is refused in one clear line",
 
 TEST_CASE("strips that do not close are refused with the place", "[core][curvature][pattern]") {
   Design made = design_of("conformal", 4, 6);
-  const auto sound = fold_vertices_from_fold(fold_text(made));
-  REQUIRE(sound);
-  const auto inner = std::find_if(sound->begin(), sound->end(),
+  const auto sound = testing::value(fold_vertices_from_fold(fold_text(made)));
+  const auto inner = std::find_if(sound.begin(), sound.end(),
                                   [](const FoldVertex& vertex) { return vertex.inner(); });
-  REQUIRE(inner != sound->end());
+  REQUIRE(inner != sound.end());
   int moved = 0;  // that valley alone slides along the strip
   for (PatternVertex& p : made.pattern.vertices) {
     if (std::abs(p.x - inner->x) + std::abs(p.z - inner->z) > 1e-9) continue;
@@ -242,14 +237,14 @@ TEST_CASE("strips that do not close are refused with the place", "[core][curvatu
 }
 
 TEST_CASE("the table has one row per pose and inner vertex", "[core][curvature][pattern]") {
-  const auto found = fold_vertices_from_fold(fold_text(design_of("conformal", 3, 5)));
-  REQUIRE(found);
+  const auto found =
+      testing::value(fold_vertices_from_fold(fold_text(design_of("conformal", 3, 5))));
   std::ostringstream csv;
-  write_curvature_csv(*found, {kPi, kPi / 2, 3}, csv);
+  write_curvature_csv(found, {kPi, kPi / 2, 3}, csv);
   const std::string text = csv.str();
   CHECK(text.rfind("psi,i,j,x,v,z,K,K_area,H,A\n", 0) == 0);
   CHECK(static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n')) ==
-        1 + 3 * inner_count(*found));
+        1 + 3 * inner_count(found));
 }
 
 }  // namespace fold_vertices_test

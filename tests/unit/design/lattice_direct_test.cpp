@@ -14,6 +14,7 @@
 #include "core/design/lattice/band_cholesky.hpp"
 #include "core/design/lattice/panel_error.hpp"
 #include "core/design/run_layout.hpp"
+#include "tests/support/value.hpp"
 
 namespace lattice_direct_test {
 
@@ -23,17 +24,14 @@ namespace {
 
 DesignSpec parsed(const std::string& surface, int units, int slices, double width_mm,
                   const std::string& more) {
-  const auto spec = parse_design_spec(fmt::format(
+  return testing::value(parse_design_spec(fmt::format(
       R"j({{"popcut":1,"surface":{{{}}},"units_per_slice":{},"slices":{},"widths_mm":{}{}}})j",
-      surface, units, slices, width_mm, more));
-  if (!spec) FAIL(message(spec.error()));
-  return *spec;
+      surface, units, slices, width_mm, more)));
 }
 
 RunTarget target_of(const DesignSpec& spec) {
-  const auto sliced = slice_target(spec, {});
-  if (!sliced) FAIL(message(sliced.error()));
-  RunLayout layout = lay_runs(*sliced, sliced->cut_after, spec);
+  const auto sliced = testing::value(slice_target(spec, {}));
+  RunLayout layout = lay_runs(sliced, sliced.cut_after, spec);
   return std::move(layout.targets.front());
 }
 
@@ -122,19 +120,18 @@ TEST_CASE("the planes of a direct lattice are in order and min_panel_mm apart", 
   CAPTURE(surface, units, slices);
   const RunTarget target = target_of(parsed(surface, units, slices, 100.0 / slices, ""));
   DirectEffort effort;
-  const auto planes = lattice_direct(target, &effort);
-  REQUIRE(planes);
+  const auto planes = testing::value(lattice_direct(target, &effort));
   CHECK(effort.steps < 120);
   for (int k = 0; k + 1 < slices; ++k) {
     int first = 0, last = units;
     for (int i = 0; i <= units; ++i)
-      if (planes->vertex(k, i).x == 0.0) first = i;
+      if (planes.vertex(k, i).x == 0.0) first = i;
     for (int i = units; i > first; --i)
-      if (planes->vertex(k, i).z == 0.0) last = i;
+      if (planes.vertex(k, i).z == 0.0) last = i;
     CHECK(first < last);
     for (int i = first + 1; i <= last; ++i) {
       CAPTURE(k, i);
-      const SectionPoint a = planes->vertex(k, i - 1), b = planes->vertex(k, i);
+      const SectionPoint a = planes.vertex(k, i - 1), b = planes.vertex(k, i);
       CHECK(b.x - a.x >= target.min_panel_mm);
       CHECK(a.z - b.z >= target.min_panel_mm);
     }
@@ -169,9 +166,8 @@ TEST_CASE("a direct lattice whose matrix would fill the memory is refused", "[co
 TEST_CASE("auto takes the lattice with the smallest two-sided rms and reports all five",
           "[core][design][lattice]") {
   const std::string surface = GENERATE(kSphere, kSaddle, kWave, kProfile);
-  const auto made = design(parsed(surface, 8, 12, 8, R"(,"lattice":"auto")"));
-  if (!made) FAIL(message(made.error()));
-  const DesignReport& report = made->report;
+  const auto made = testing::value(design(parsed(surface, 8, 12, 8, R"(,"lattice":"auto")")));
+  const DesignReport& report = made.report;
   REQUIRE(report.lattices.size() == 5);
   CHECK(report.lattice_asked == "auto");
   const double taken = trial_of(report, report.lattice).two_sided_rms_mm;
@@ -186,12 +182,11 @@ TEST_CASE("more units do not drive auto away from its target", "[core][design][l
   // The conformal lattice alone ends 5 mm off here on average, nearly a plane.
   double last = 2.0;
   for (const int units : {10, 20}) {
-    const auto made = design(
-        parsed(kSphere, units, 2 * units, 50.0 / units, R"(,"lattice":"auto","min_panel_mm":1)"));
-    if (!made) FAIL(message(made.error()));
-    const double rms = trial_of(made->report, made->report.lattice).two_sided_rms_mm;
+    const auto made = testing::value(design(
+        parsed(kSphere, units, 2 * units, 50.0 / units, R"(,"lattice":"auto","min_panel_mm":1)")));
+    const double rms = trial_of(made.report, made.report.lattice).two_sided_rms_mm;
     CHECK(rms < 0.75 * last);
-    CHECK(made->report.degrees_of_freedom == 1);
+    CHECK(made.report.degrees_of_freedom == 1);
     last = rms;
   }
 }

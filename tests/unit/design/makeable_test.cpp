@@ -12,6 +12,7 @@
 #include "core/design/shape_fit.hpp"
 #include "core/formats/write/report_json.hpp"
 #include "tests/support/meshes.hpp"
+#include "tests/support/value.hpp"
 
 namespace makeable_test {
 
@@ -20,11 +21,8 @@ using namespace popcut;
 namespace {
 
 Design made(const std::string& fields) {
-  const auto spec = parse_design_spec(fmt::format(R"({{"popcut":1,{}}})", fields));
-  if (!spec) FAIL(message(spec.error()));
-  auto out = design(*spec);
-  if (!out) FAIL(message(out.error()));
-  return std::move(*out);
+  const auto spec = testing::value(parse_design_spec(fmt::format(R"({{"popcut":1,{}}})", fields)));
+  return testing::value(design(spec));
 }
 
 /// How far from the spine what is not part of wall and ground lies in the pose that is all but
@@ -173,11 +171,10 @@ TEST_CASE("a connector between regions is left out where it would reach out of a
 }
 
 TEST_CASE("a design of which nothing stands up is refused", "[core][design]") {
-  const auto spec = parse_design_spec(
+  const auto spec = testing::value(parse_design_spec(
       R"({"popcut":1,"surface":{"type":"revolution","radius":"3"},"units_per_slice":8,"slices":1,
-          "widths_mm":9,"min_panel_mm":1.2,"lattice":"levels"})");
-  REQUIRE(spec);
-  const auto none = design(*spec);
+          "widths_mm":9,"min_panel_mm":1.2,"lattice":"levels"})"));
+  const auto none = design(spec);
   REQUIRE_FALSE(none);
   CHECK(none.error().kind == ErrorKind::Infeasible);
   INFO(message(none.error()));
@@ -208,12 +205,11 @@ TEST_CASE("a longest step that is asked for is kept or the report says where it 
 
 TEST_CASE("a limit that cannot be met is refused with the value that can", "[core][design]") {
   const auto refusal = [](const std::string& more) {
-    const auto spec = parse_design_spec(fmt::format(
+    const auto spec = testing::value(parse_design_spec(fmt::format(
         R"j({{"popcut":1,"surface":{{"type":"revolution","radius":"60"}},"units_per_slice":5,
             "slices":4,"widths_mm":8{}}})j",
-        more));
-    if (!spec) FAIL(message(spec.error()));
-    const auto out = design(*spec);
+        more)));
+    const auto out = design(spec);
     return out ? std::string("made") : message(out.error());
   };
   // As asked; and with the value that the refusal names.
@@ -234,13 +230,11 @@ TEST_CASE("a limit that cannot be met is refused with the value that can", "[cor
 TEST_CASE("a target that is wholly out of reach is infeasible and names what to move",
           "[core][design]") {
   const auto refusal = [](const std::string& surface, const std::string& more = "") {
-    const auto spec = parse_design_spec(fmt::format(
+    const auto spec = testing::value(parse_design_spec(fmt::format(
         R"j({{"popcut":1,"surface":{},"units_per_slice":5,"slices":4,"widths_mm":8{}}})j", surface,
-        more));
-    if (!spec) FAIL(message(spec.error()));
+        more)));
     const auto out = design(
-        *spec,
-        {{"b.stl", testing::binary_stl(testing::box_mesh({0, -5, 0}, {30, 50, 30}, false))}});
+        spec, {{"b.stl", testing::binary_stl(testing::box_mesh({0, -5, 0}, {30, 50, 30}, false))}});
     REQUIRE_FALSE(out);
     CHECK(out.error().kind == ErrorKind::Infeasible);
     return message(out.error());
@@ -260,16 +254,14 @@ TEST_CASE("a target that is wholly out of reach is infeasible and names what to 
 
 TEST_CASE("patches in one sheet are held by their common card when shut",
           "[core][design][closing]") {
-  const auto spec = parse_design_spec(
+  const auto spec = testing::value(parse_design_spec(
       R"j({"popcut":1,"patches":[
             {"surface":{"type":"revolution","radius":"50"},"units_per_slice":3,"slices":4,
              "widths_mm":12},
             {"surface":{"type":"revolution","radius":"50+8*sin((y+6)/30)"},"units_per_slice":4,
-             "slices":4,"widths_mm":12}],"join_tolerance_mm":5})j");
-  REQUIRE(spec);
-  const auto assembly = design_assembly(*spec);
-  REQUIRE(assembly);
-  for (const Design& part : assembly->parts) {
+             "slices":4,"widths_mm":12}],"join_tolerance_mm":5})j"));
+  const auto assembly = testing::value(design_assembly(spec));
+  for (const Design& part : assembly.parts) {
     CHECK(part.report.sticks_out_mm == 0.0);
     CHECK(std::min(part.pattern.wall_mm, part.pattern.ground_mm) >=
           reach_when_shut(part.pattern) + 15 - 1e-6);

@@ -24,6 +24,7 @@
 #include "tests/support/random_numbers.hpp"
 #include "tests/support/rounds.hpp"
 #include "tests/support/timing.hpp"
+#include "tests/support/value.hpp"
 
 namespace outline_test {
 
@@ -92,19 +93,17 @@ std::size_t open_sides(const std::vector<float>& corners) {
 
 TEST_CASE("a ring within a ring is a hole, and rings over each other are one piece", "[outline]") {
   const std::vector<Ring> frame{box(0, 0, 10, 10), box(2, 3, 4, 5)};
-  const auto even = areas_within(frame, FillRule::EvenOdd);
-  REQUIRE(even);
-  REQUIRE(even->size() == 1);
-  CHECK(holes_of(*even) == 1);
-  CHECK(area_of(*even) == Approx(80.0).margin(1e-3));
-  const auto all = areas_within(frame, FillRule::NonZero);
-  REQUIRE(all);
-  CHECK(holes_of(*all) == 0);
-  CHECK(area_of(*all) == Approx(100.0).margin(1e-3));
-  const auto joined = areas_within({box(0, 0, 10, 10), box(5, 5, 10, 10)}, FillRule::NonZero);
-  REQUIRE(joined);
-  CHECK(joined->size() == 1);
-  CHECK(area_of(*joined) == Approx(175.0).margin(1e-3));
+  const auto even = testing::value(areas_within(frame, FillRule::EvenOdd));
+  REQUIRE(even.size() == 1);
+  CHECK(holes_of(even) == 1);
+  CHECK(area_of(even) == Approx(80.0).margin(1e-3));
+  const auto all = testing::value(areas_within(frame, FillRule::NonZero));
+  CHECK(holes_of(all) == 0);
+  CHECK(area_of(all) == Approx(100.0).margin(1e-3));
+  const auto joined =
+      testing::value(areas_within({box(0, 0, 10, 10), box(5, 5, 10, 10)}, FillRule::NonZero));
+  CHECK(joined.size() == 1);
+  CHECK(area_of(joined) == Approx(175.0).margin(1e-3));
 }
 
 TEST_CASE("lines without an area are refused", "[outline]") {
@@ -125,10 +124,9 @@ TEST_CASE("a smooth outline of very many points keeps only those that show", "[o
     const double at = 2 * std::numbers::pi * k / 100'000;
     disc.emplace_back(50 * std::cos(at), 50 * std::sin(at));
   }
-  const auto areas = areas_within({disc}, FillRule::EvenOdd);
-  REQUIRE(areas);
-  REQUIRE(areas->size() == 1);
-  const Ring& outline = areas->front().outline;
+  const auto areas = testing::value(areas_within({disc}, FillRule::EvenOdd));
+  REQUIRE(areas.size() == 1);
+  const Ring& outline = areas.front().outline;
   CHECK(outline.size() < 2000);
   CHECK(area_of(outline) == Approx(std::numbers::pi * 2500).epsilon(1e-4));
   for (const Vec2& p : outline) CHECK(p.norm() == Approx(50).margin(1e-3));
@@ -181,12 +179,11 @@ TEST_CASE("the sweep fills lines that touch along sides and at corners, and noth
     for (const auto& column : chosen)
       for (const bool inside : column) cells += inside ? 1 : 0;
     CAPTURE(round, a, b, c, d);
-    const auto triangles = sweep_triangles(points, ends);
-    REQUIRE(triangles);
-    const WholeFigures figures = figures_of(points, *triangles);
+    const auto triangles = testing::value(sweep_triangles(points, ends));
+    const WholeFigures figures = figures_of(points, triangles);
     CHECK(figures.all_left);
     CHECK(figures.twice == 2 * cells * std::abs(step));
-    for (const auto& [p, q, r] : *triangles) {  // the middle of each is in a cell that was chosen
+    for (const auto& [p, q, r] : triangles) {  // the middle of each is in a cell that was chosen
       const std::int64_t x = points[p].x + points[q].x + points[r].x;
       const std::int64_t y = points[p].y + points[q].y + points[r].y;
       const double i = static_cast<double>(d * x - b * y) / (3.0 * static_cast<double>(step));
@@ -203,9 +200,8 @@ TEST_CASE("the sweep says so where sides cross", "[outline]") {
   // The same with a corner where they meet is two triangles.
   const std::vector<WholePoint> met{{0, 0}, {5, 5}, {10, 10}, {10, 0}, {5, 5}, {0, 10}};
   const std::vector<std::uint32_t> all{6};
-  const auto triangles = sweep_triangles(met, all);
-  REQUIRE(triangles);
-  CHECK(figures_of(met, *triangles).twice == 100);
+  const auto triangles = testing::value(sweep_triangles(met, all));
+  CHECK(figures_of(met, triangles).twice == 100);
   CHECK(sweep_triangles({}, {})->empty());
 }
 
@@ -224,10 +220,9 @@ TEST_CASE("a jagged outline of twice the points is a solid in about twice the ti
   const int points = testing::rounds(50'000, 10);
   const Ring once = jagged(points, random), twice = jagged(2 * points, random);
   const auto solid_of = [](const Ring& ring) {
-    const auto areas = areas_within({ring}, FillRule::EvenOdd);
-    REQUIRE(areas);
-    const auto solid = extruded(*areas, 5.0);
-    const double sum = area_of(*areas);
+    const auto areas = testing::value(areas_within({ring}, FillRule::EvenOdd));
+    const auto solid = extruded(areas, 5.0);
+    const double sum = area_of(areas);
     CHECK(sum == Approx(std::abs(area_of(ring))).epsilon(1e-3));
     CHECK(volume_of(solid) == Approx(5.0 * sum).epsilon(1e-4));
   };
@@ -241,11 +236,10 @@ TEST_CASE("thousands of holes are as easily cut out", "[outline]") {
   std::vector<Ring> rings{box(0, 0, side, side)};
   for (int i = 0; i < side; ++i)
     for (int j = 0; j < side; ++j) rings.push_back(box(i + 0.3, j + 0.2, 0.5, 0.6));
-  const auto areas = areas_within(rings, FillRule::EvenOdd);
-  REQUIRE(areas);
-  REQUIRE(areas->size() == 1);
-  CHECK(areas->front().triangles.size() == static_cast<std::size_t>(4 + 4 * holes + 2 * holes - 2));
-  CHECK(open_sides(extruded(*areas, 5.0)) == 0);
+  const auto areas = testing::value(areas_within(rings, FillRule::EvenOdd));
+  REQUIRE(areas.size() == 1);
+  CHECK(areas.front().triangles.size() == static_cast<std::size_t>(4 + 4 * holes + 2 * holes - 2));
+  CHECK(open_sides(extruded(areas, 5.0)) == 0);
 }
 
 TEST_CASE("lines that cross everywhere are areas or refused, never a solid with holes",
@@ -292,12 +286,11 @@ TEST_CASE("shapes with any holes become closed solids of the right volume", "[ou
         rings.push_back(box((i - 0.5 * cells) * cell, (j - 0.5 * cells) * cell, size, size));
       }
     CAPTURE(round, rings.size());
-    const auto areas = areas_within(rings, FillRule::EvenOdd);
-    REQUIRE(areas);
-    CHECK(holes_of(*areas) == rings.size() - 1);
-    const auto solid = extruded(*areas, 7.0);
+    const auto areas = testing::value(areas_within(rings, FillRule::EvenOdd));
+    CHECK(holes_of(areas) == rings.size() - 1);
+    const auto solid = extruded(areas, 7.0);
     CHECK(open_sides(solid) == 0);
-    CHECK(volume_of(solid) == Approx(7.0 * area_of(*areas)).epsilon(1e-4));
+    CHECK(volume_of(solid) == Approx(7.0 * area_of(areas)).epsilon(1e-4));
   }
 }
 
@@ -305,18 +298,16 @@ TEST_CASE("a part that stands free in a hole gets a bridge to either side, and w
           "[outline]") {
   // A frame of 5 around a hole of 40 x 40, in it a block of 10 x 10, nearer to the right side.
   const std::vector<Ring> rings{box(0, 0, 50, 50), box(5, 5, 40, 40), box(30, 20, 10, 10)};
-  const auto areas = areas_within(rings, FillRule::EvenOdd);
-  REQUIRE(areas);
-  REQUIRE(areas->size() == 2);
-  const auto joined = with_bridges(*areas, 3.0);
-  REQUIRE(joined);
-  CHECK(joined->islands == 1);
-  REQUIRE(joined->areas.size() == 1);
-  CHECK(holes_of(joined->areas) == 2);  // above and below the bridges
-  CHECK(area_of(joined->areas) == Approx(900.0 + 100.0 + 3.0 * (25.0 + 5.0)).epsilon(1e-3));
-  CHECK(open_sides(extruded(joined->areas, 5.0)) == 0);
+  const auto areas = testing::value(areas_within(rings, FillRule::EvenOdd));
+  REQUIRE(areas.size() == 2);
+  const auto joined = testing::value(with_bridges(areas, 3.0));
+  CHECK(joined.islands == 1);
+  REQUIRE(joined.areas.size() == 1);
+  CHECK(holes_of(joined.areas) == 2);  // above and below the bridges
+  CHECK(area_of(joined.areas) == Approx(900.0 + 100.0 + 3.0 * (25.0 + 5.0)).epsilon(1e-3));
+  CHECK(open_sides(extruded(joined.areas, 5.0)) == 0);
   // Nothing that holds already is touched, and 0 means none.
-  CHECK(with_bridges(*areas, 0.0)->areas.size() == 2);
+  CHECK(with_bridges(areas, 0.0)->areas.size() == 2);
   const auto plain = areas_within({box(0, 0, 50, 50), box(5, 5, 40, 40)}, FillRule::EvenOdd);
   CHECK(with_bridges(*plain, 3.0)->islands == 0);
 }
@@ -331,38 +322,33 @@ TEST_CASE("rings within rings are all joined, each to the next one", "[outline]"
     }
     rings.push_back(std::move(circle));
   }
-  const auto areas = areas_within(rings, FillRule::EvenOdd);
-  REQUIRE(areas);
-  REQUIRE(areas->size() == 3);
-  const auto joined = with_bridges(*areas, 4.0);
-  REQUIRE(joined);
-  CHECK(joined->islands == 2);
-  CHECK(joined->areas.size() == 1);
-  CHECK(holes_of(joined->areas) == 5);  // two half rings, twice, and the hole in the middle
+  const auto areas = testing::value(areas_within(rings, FillRule::EvenOdd));
+  REQUIRE(areas.size() == 3);
+  const auto joined = testing::value(with_bridges(areas, 4.0));
+  CHECK(joined.islands == 2);
+  CHECK(joined.areas.size() == 1);
+  CHECK(holes_of(joined.areas) == 5);  // two half rings, twice, and the hole in the middle
   // A letter in a ring, as fonts have it.
-  const auto registered = text_areas("\u00AE", usual_font(), 30.0);
-  REQUIRE(registered);
-  REQUIRE(registered->size() == 2);
-  CHECK(with_bridges(*registered, 2.0)->areas.size() == 1);
+  const auto registered = testing::value(text_areas("\u00AE", usual_font(), 30.0));
+  REQUIRE(registered.size() == 2);
+  CHECK(with_bridges(registered, 2.0)->areas.size() == 1);
 }
 
 TEST_CASE("letters stand side by side, with their counters as holes", "[outline]") {
-  const auto areas = text_areas("POPCUT", usual_font(), 30.0);
-  REQUIRE(areas);
-  CHECK(areas->size() == 6);
-  CHECK(holes_of(*areas) == 3);  // P, O, P
+  const auto areas = testing::value(text_areas("POPCUT", usual_font(), 30.0));
+  CHECK(areas.size() == 6);
+  CHECK(holes_of(areas) == 3);  // P, O, P
   Eigen::AlignedBox2d size;
-  for (const Area& area : *areas)
+  for (const Area& area : areas)
     for (const Vec2& p : area.outline) size.extend(p);
   CHECK(size.min().norm() == Approx(0.0).margin(1e-3));
   // Round letters reach a little over the capitals' height and below the line.
   CHECK(size.max()[1] > 30.0);
   CHECK(size.max()[1] < 31.5);
   CHECK(size.max()[0] > 120.0);
-  const auto half = text_areas("POPCUT", usual_font(), 15.0);
-  REQUIRE(half);
-  CHECK(area_of(*half) == Approx(0.25 * area_of(*areas)).epsilon(1e-3));
-  CHECK(open_sides(extruded(*areas, 15.0)) == 0);
+  const auto half = testing::value(text_areas("POPCUT", usual_font(), 15.0));
+  CHECK(area_of(half) == Approx(0.25 * area_of(areas)).epsilon(1e-3));
+  CHECK(open_sides(extruded(areas, 15.0)) == 0);
 }
 
 TEST_CASE("scripts are shaped: accents are set, and Arabic letters join", "[outline]") {
@@ -370,9 +356,8 @@ TEST_CASE("scripts are shaped: accents are set, and Arabic letters join", "[outl
   CHECK(text_areas("e\u0301", usual_font(), 30.0)->size() == 2);  // an accent that is added
   CHECK(text_areas("\u0627", usual_font(), 30.0)->size() == 1);
   // Seen, lam and the end of meem join, alef with lam: four letters in fewer pieces.
-  const auto salaam = text_areas("\u0633\u0644\u0627\u0645", usual_font(), 30.0);
-  REQUIRE(salaam);
-  CHECK(salaam->size() == 2);
+  const auto salaam = testing::value(text_areas("\u0633\u0644\u0627\u0645", usual_font(), 30.0));
+  CHECK(salaam.size() == 2);
 }
 
 TEST_CASE("text that cannot be set is refused in one line", "[outline]") {
@@ -415,15 +400,14 @@ TEST_CASE("the filled shapes and closed lines of a drawing stand upright", "[out
       "<svg xmlns='http://www.w3.org/2000/svg' width='60mm' height='40mm' viewBox='0 0 60 40'>"
       "<path fill='#a00' d='M5 5h40v30h-40z M15 15v10h10v-10z'/>"
       "<path stroke='black' fill='none' d='M50 5 L58 5'/></svg>";
-  const auto areas = drawing_areas(svg, {});
-  REQUIRE(areas);
-  REQUIRE(areas->size() == 1);
-  CHECK(holes_of(*areas) == 1);
-  CHECK(area_of(*areas) == Approx(1100.0).epsilon(1e-4));
+  const auto areas = testing::value(drawing_areas(svg, {}));
+  REQUIRE(areas.size() == 1);
+  CHECK(holes_of(areas) == 1);
+  CHECK(area_of(areas) == Approx(1100.0).epsilon(1e-4));
   // Up is up: the hole lies 10 mm below the upper edge and 10 mm right of the left one.
-  CHECK((*areas)[0].holes[0].size() == 4);
+  CHECK(areas[0].holes[0].size() == 4);
   Eigen::AlignedBox2d hole;
-  for (const Vec2& p : (*areas)[0].holes[0]) hole.extend(p);
+  for (const Vec2& p : areas[0].holes[0]) hole.extend(p);
   CHECK((hole.min() - Vec2(10.0, 10.0)).norm() < 1e-3);
   CHECK(area_of(*drawing_areas(svg, 15.0)) == Approx(275.0).epsilon(1e-4));
   // Curves follow the size that the drawing gets.
@@ -445,9 +429,8 @@ TEST_CASE("a drawing that stands upright is read in any encoding, and what is no
       R"(<svg xmlns="http://www.w3.org/2000/svg" width="9mm" height="9mm"><rect width="5mm" height="4mm"/></svg>)";
   std::string wide = "\xFF\xFE";
   for (const char c : svg) wide += {c, '\0'};
-  const auto areas = drawing_areas(wide, std::nullopt);
-  if (!areas) FAIL(message(areas.error()));
-  CHECK(areas->size() == 1);
+  const auto areas = testing::value(drawing_areas(wide, std::nullopt));
+  CHECK(areas.size() == 1);
   CHECK_THAT(drawing_areas("\x1F\x8B\x08", std::nullopt).error().detail, Catch::Contains("gunzip"));
   CHECK(drawing_areas("\x89PNG\r\n\x1A\n", std::nullopt).error().detail ==
         "is a PNG picture; give an SVG or DXF drawing");
@@ -455,12 +438,11 @@ TEST_CASE("a drawing that stands upright is read in any encoding, and what is no
 
 TEST_CASE("white shapes of a drawing are holes in what they lie on", "[outline]") {
   const auto area = [](const std::string& inner) {
-    const auto areas = drawing_areas(
+    const auto areas = testing::value(drawing_areas(
         "<svg xmlns='http://www.w3.org/2000/svg' width='60mm' height='60mm' viewBox='0 0 60 60'>" +
             inner + "</svg>",
-        {});
-    REQUIRE(areas);
-    return area_of(*areas);
+        {}));
+    return area_of(areas);
   };
   const std::string black = "<rect x='5' y='5' width='50' height='50'/>";
   const std::string hole = "<rect x='10' y='10' width='10' height='10' fill='white'/>";
@@ -479,14 +461,14 @@ TEST_CASE("white shapes of a drawing are holes in what they lie on", "[outline]"
 }
 
 TEST_CASE("a design from a drawing tells what its reader warns of", "[outline]") {
-  const auto spec = parse_design_spec(R"j({"popcut": 1, "name": "t", "style": "facets",
-    "surface": {"type": "outline", "file": "a.svg", "depth": 20}})j");
-  REQUIRE(spec);
+  const auto spec =
+      testing::value(parse_design_spec(R"j({"popcut": 1, "name": "t", "style": "facets",
+    "surface": {"type": "outline", "file": "a.svg", "depth": 20}})j"));
   const auto made = design_assembly(
-      *spec, {{"a.svg",
-               "<svg xmlns='http://www.w3.org/2000/svg' width='60mm' height='60mm' viewBox='0 0 60 "
-               "60'><rect x='5' y='5' width='50' height='20'/><text>Ab</text><path d='M0 0h5' "
-               "stroke='red'/></svg>"}});
+      spec, {{"a.svg",
+              "<svg xmlns='http://www.w3.org/2000/svg' width='60mm' height='60mm' viewBox='0 0 60 "
+              "60'><rect x='5' y='5' width='50' height='20'/><text>Ab</text><path d='M0 0h5' "
+              "stroke='red'/></svg>"}});
   REQUIRE(made);
   std::vector<std::string> codes;
   for (const Warning& one : made->parts.front().report.warnings) codes.push_back(one.code);
@@ -496,9 +478,9 @@ TEST_CASE("a design from a drawing tells what its reader warns of", "[outline]")
 }
 
 TEST_CASE("a text is a surface that begins and ends along the spine", "[outline]") {
-  const auto surface = Surface::make(TextSpec{"HI", "", 40.0, 12.0}, {}, FitMode::Nearest);
-  REQUIRE(surface);
-  const TriangleSoup soup = surface->triangles({});
+  const auto surface =
+      testing::value(Surface::make(TextSpec{"HI", "", 40.0, 12.0}, {}, FitMode::Nearest));
+  const TriangleSoup soup = surface.triangles({});
   REQUIRE(soup.size() > 0);
   double high = 0.0, front = 0.0;
   for (std::size_t k = 0; k < soup.corners.size(); k += 3) {
@@ -507,7 +489,7 @@ TEST_CASE("a text is a surface that begins and ends along the spine", "[outline]
   }
   CHECK(front == Approx(12.0));
   CHECK(high == Approx(40.0).epsilon(1e-3));
-  const auto curve = surface->slice(5.0);  // through the stem of the H
+  const auto curve = surface.slice(5.0);  // through the stem of the H
   REQUIRE(curve);
   CHECK(curve->h() == Approx(40.0).epsilon(1e-3));
   CHECK(curve->d() == Approx(12.0).epsilon(1e-3));

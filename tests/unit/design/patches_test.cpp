@@ -10,6 +10,7 @@
 #include "core/design/strips/strips.hpp"
 #include "core/rigid/mobility.hpp"
 #include "tests/support/rounds.hpp"
+#include "tests/support/value.hpp"
 
 namespace patches_test {
 
@@ -32,11 +33,8 @@ Result<PatchAssembly> assembled(const std::string& patches, const std::string& m
 }
 
 Design designed(const std::string& fields) {
-  const auto spec = parse_design_spec(R"({"popcut":1,)" + fields + "}");
-  if (!spec) FAIL(message(spec.error()));
-  auto made = design(*spec);
-  if (!made) FAIL(message(made.error()));
-  return std::move(*made);
+  const auto spec = testing::value(parse_design_spec(R"({"popcut":1,)" + fields + "}"));
+  return testing::value(design(spec));
 }
 
 int freedoms(const Design& part) {
@@ -48,18 +46,18 @@ int freedoms(const Design& part) {
 }  // namespace
 
 TEST_CASE("patches whose walls and grounds agree become one sheet", "[core][patches]") {
-  const auto made = assembled(tube(40, 3, 4) + "," + tube(40.5, 5, 3) + "," + tube(40, 1, 2));
-  REQUIRE(made);
-  REQUIRE(made->parts.size() == 1);
-  const Design& whole = made->parts.front();
+  const auto made =
+      testing::value(assembled(tube(40, 3, 4) + "," + tube(40.5, 5, 3) + "," + tube(40, 1, 2)));
+  REQUIRE(made.parts.size() == 1);
+  const Design& whole = made.parts.front();
   CHECK(freedoms(whole) == 1);
   CHECK(whole.report.degrees_of_freedom == 1);
   CHECK(whole.report.pieces == 1);
   CHECK(whole.report.slices.size() == 9);
   CHECK(whole.report.units_per_slice == std::vector<int>{3, 5, 1});
   CHECK(whole.pattern.seams.empty());
-  REQUIRE(made->joins.size() == 2);
-  for (const JoinReport& join : made->joins) {
+  REQUIRE(made.joins.size() == 2);
+  for (const JoinReport& join : made.joins) {
     CHECK_FALSE(join.is_seam);
     CHECK(join.misfit_mm == Approx(0.5).margin(1e-9));
   }
@@ -68,24 +66,24 @@ TEST_CASE("patches whose walls and grounds agree become one sheet", "[core][patc
     CHECK(whole.report.slices[j].s_mm - whole.report.slices[j - 1].s_mm == Approx(10.0));
     CHECK(whole.report.slices[j].v_mm - whole.report.slices[j - 1].v_mm == Approx(10.0));
   }
-  REQUIRE(made->patches.size() == 3);
-  CHECK(made->patches[0].v_begin_mm == 0.0);
-  CHECK(made->patches[1].v_begin_mm == made->patches[0].v_end_mm);
-  CHECK(made->patches[2].v_end_mm == Approx(whole.pattern.width_mm));
+  REQUIRE(made.patches.size() == 3);
+  CHECK(made.patches[0].v_begin_mm == 0.0);
+  CHECK(made.patches[1].v_begin_mm == made.patches[0].v_end_mm);
+  CHECK(made.patches[2].v_end_mm == Approx(whole.pattern.width_mm));
   CHECK(whole.report.bridges.size() == 2);
 }
 
 TEST_CASE("patches with different walls keep their sheets and declare a seam on both",
           "[core][patches]") {
-  const auto made = assembled(tube(40, 3, 3, R"(,"card":{"wall_mm":60,"ground_mm":55})") + "," +
-                              tube(40, 4, 3, R"(,"card":{"wall_mm":70,"ground_mm":50})"));
-  REQUIRE(made);
-  REQUIRE(made->parts.size() == 2);
-  for (const Design& part : made->parts) {
+  const auto made =
+      testing::value(assembled(tube(40, 3, 3, R"(,"card":{"wall_mm":60,"ground_mm":55})") + "," +
+                               tube(40, 4, 3, R"(,"card":{"wall_mm":70,"ground_mm":50})")));
+  REQUIRE(made.parts.size() == 2);
+  for (const Design& part : made.parts) {
     CHECK(freedoms(part) == 1);
     REQUIRE(part.pattern.seams.size() == 1);
   }
-  const Pattern &left = made->parts[0].pattern, &right = made->parts[1].pattern;
+  const Pattern &left = made.parts[0].pattern, &right = made.parts[1].pattern;
   // The spines are in line, and the seam is what both edges have in common: 60 up, 50 out.
   CHECK(left.place.u_mm + left.wall_mm == right.place.u_mm + right.wall_mm);
   CHECK(right.place.v_mm == left.place.v_mm + left.width_mm);
@@ -99,8 +97,8 @@ TEST_CASE("patches with different walls keep their sheets and declare a seam on 
   CHECK(a.u1_mm == Approx(110.0));
   CHECK(b.u0_mm == Approx(10.0));
   CHECK(b.u1_mm == Approx(120.0));
-  CHECK(made->joins.front().seam_mm == Approx(110.0));
-  CHECK(made->joins.front().reason.find("walls are 60.0000 and 70.0000 mm") != std::string::npos);
+  CHECK(made.joins.front().seam_mm == Approx(110.0));
+  CHECK(made.joins.front().reason.find("walls are 60.0000 and 70.0000 mm") != std::string::npos);
 }
 
 TEST_CASE("a patch without a card uses its neighbours' if it fits", "[core][patches]") {
@@ -174,13 +172,12 @@ TEST_CASE("V-folds of a patch stay in its part of the sheet", "[core][patches]")
           "splay":{"alpha":0.5}})";
   const std::string plain =
       R"({"surface":{"type":"profile","z":"60-x"},"units_per_slice":4,"slices":3,"widths_mm":16})";
-  const auto made = assembled(plain + "," + splayed);
-  REQUIRE(made);
-  REQUIRE(made->parts.size() == 1);
-  const Pattern& pattern = made->parts.front().pattern;
+  const auto made = testing::value(assembled(plain + "," + splayed));
+  REQUIRE(made.parts.size() == 1);
+  const Pattern& pattern = made.parts.front().pattern;
   CHECK(pattern.v_folds.size() == 6);  // three inner levels on two connectors
   for (const VFold& fold : pattern.v_folds)
-    CHECK(pattern.vertices[fold.apex].v > made->patches[1].v_begin_mm);
+    CHECK(pattern.vertices[fold.apex].v > made.patches[1].v_begin_mm);
 }
 
 TEST_CASE("slices of any N are connected to slices of any other", "[core][bridge]") {
@@ -264,12 +261,11 @@ TEST_CASE("contradictory regions give one error with the place", "[core][regions
 }
 
 TEST_CASE("a region that is too narrow to cut is refused with its place", "[core][regions]") {
-  const auto spec = parse_design_spec(
+  const auto spec = testing::value(parse_design_spec(
       R"({"popcut":1,"surface":{"type":"revolution","radius":"40"},"regions":[
          {"units_per_slice":3,"slices":2,"width_mm":8},
-         {"units_per_slice":3,"slices":2,"widths_mm":[8,1e-5]}]})");
-  REQUIRE(spec);
-  const auto refused = design(*spec);
+         {"units_per_slice":3,"slices":2,"widths_mm":[8,1e-5]}]})"));
+  const auto refused = design(spec);
   REQUIRE_FALSE(refused);
   CHECK(refused.error().place == "/regions/1");
 }

@@ -23,6 +23,7 @@
 #include "tests/support/box_card.hpp"
 #include "tests/support/meshes.hpp"
 #include "tests/support/random_lattice.hpp"
+#include "tests/support/value.hpp"
 
 namespace pictures_test {
 
@@ -129,9 +130,7 @@ TEST_CASE("no panel is painted over one that is before it", "[core][picture]") {
   int designs = 0;
   for (int i = 0; i < 40 && designs < 5; ++i) {
     const std::string text = testing::random_lattice_spec(random);
-    const auto spec = parse_design_spec(text);
-    REQUIRE(spec);
-    const auto made = design(*spec);
+    const auto made = design(testing::value(parse_design_spec(text)));
     if (!made) continue;
     ++designs;
     INFO(text);
@@ -176,14 +175,12 @@ TEST_CASE("a pattern of many panels is drawn coarser and the picture says so", "
       has(svg_of(card_scene(box_card_pattern()), kPi / 2, {.labels = Labels::All}), "coarser"));
 
   // Steps of one staircase become fewer, between the same ends.
-  const auto spec = parse_design_spec(
+  const auto spec = testing::value(parse_design_spec(
       R"({"popcut":1,"name":"s","surface":{"type":"revolution","radius":"50"},"min_panel_mm":0.1,
-          "units_per_slice":24,"slices":4,"widths_mm":8,"lattice":"slices"})");
-  REQUIRE(spec);
-  const auto made = design(*spec);
-  REQUIRE(made);
-  const Slabs fine = cut_into_slabs(made->pattern, 10'000);
-  const Slabs thin = cut_into_slabs(made->pattern, 60);
+          "units_per_slice":24,"slices":4,"widths_mm":8,"lattice":"slices"})"));
+  const auto made = testing::value(design(spec));
+  const Slabs fine = cut_into_slabs(made.pattern, 10'000);
+  const Slabs thin = cut_into_slabs(made.pattern, 60);
   CHECK(thin.every_step > 1);
   const auto largest = [](const Slabs& slabs) {
     double x = 0;
@@ -252,13 +249,11 @@ TEST_CASE("the target of every kind looks out of the corner in a picture", "[cor
        {R"({"type":"revolution","radius":"40"})", R"({"type":"profile","z":"40 - x"})",
         R"({"type":"implicit","f":"x^2 + z^2 - 1600"})"}) {
     CAPTURE(surface);
-    const auto spec = parse_design_spec(
+    const auto spec = testing::value(parse_design_spec(
         std::string(R"({"popcut":1,"name":"t","units_per_slice":4,"slices":5,"widths_mm":8,)") +
-        R"("surface":)" + surface + "}");
-    REQUIRE(spec);
-    const auto made = design(*spec);
-    REQUIRE(made);
-    const TriangleSoup target = target_on_sheet(*made, true);
+        R"("surface":)" + surface + "}"));
+    const auto made = testing::value(design(spec));
+    const TriangleSoup target = target_on_sheet(made, true);
     REQUIRE(target.size() > 0);
     const CoarseTarget coarse = coarse_target(target, 3000);
     REQUIRE_FALSE(coarse.normal.empty());
@@ -266,11 +261,11 @@ TEST_CASE("the target of every kind looks out of the corner in a picture", "[cor
     double low = 1e9, high = -1e9;
     for (const auto& corners : coarse.corners)
       for (const Vec3& p : corners) low = std::min(low, p[1]), high = std::max(high, p[1]);
-    CHECK(low >= made->strips.v_begin[1] - 1);  // from the first strip to the last
-    CHECK(high <= made->strips.v_begin[made->strips.size() - 1] + 1);
-    const std::string svg = svg_of(card_scene(made->pattern, {.ghost = &target}), kPi / 2);
+    CHECK(low >= made.strips.v_begin[1] - 1);  // from the first strip to the last
+    CHECK(high <= made.strips.v_begin[made.strips.size() - 1] + 1);
+    const std::string svg = svg_of(card_scene(made.pattern, {.ghost = &target}), kPi / 2);
     CHECK(has(svg, "fill-opacity"));
-    CHECK_FALSE(has(svg_of(card_scene(made->pattern, {.ghost = &target}), 2.0), "fill-opacity"));
+    CHECK_FALSE(has(svg_of(card_scene(made.pattern, {.ghost = &target}), 2.0), "fill-opacity"));
   }
 }
 

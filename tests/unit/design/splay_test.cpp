@@ -14,6 +14,7 @@
 #include "core/design/strips/multi_state.hpp"
 #include "core/formats/fold/fold_writer.hpp"
 #include "core/verify/verify.hpp"
+#include "tests/support/value.hpp"
 
 namespace splay_test {
 
@@ -43,30 +44,29 @@ TEST_CASE("splayed lattices verify as a whole with one freedom", "[core][splay][
   const double alpha = GENERATE(0.2, 0.9, 1.8);
   const int units = GENERATE(2, 3, 5);
   CAPTURE(alpha, units);
-  const auto d = splayed(fmt::format(R"({{"alpha":{}}})", alpha), units, 5, 40.0 * units, 20);
-  if (!d) FAIL(message(d.error()));
-  CHECK(d->pattern.v_folds.size() == static_cast<std::size_t>(4 * (units - 1)));
+  const auto d =
+      testing::value(splayed(fmt::format(R"({{"alpha":{}}})", alpha), units, 5, 40.0 * units, 20));
+  CHECK(d.pattern.v_folds.size() == static_cast<std::size_t>(4 * (units - 1)));
   std::ostringstream fold;
   FoldOptions frames;
   frames.psi_rad = std::vector{kPi, 2.4, kPi / 2, 1.1, 0.3};
-  REQUIRE(write_fold(d->pattern, frames, fold));
+  REQUIRE(write_fold(d.pattern, frames, fold));
   VerifyOptions options;
   options.degrees_of_freedom = 1;
-  const auto report = verify_fold(fold.str(), options);
-  if (!report) FAIL(message(report.error()));
-  if (!report->ok()) FAIL(verify_text(*report));
+  const auto report = testing::value(verify_fold(fold.str(), options));
+  if (!report.ok()) FAIL(verify_text(report));
 }
 
 TEST_CASE("the tip of a V-fold keeps its distances at every opening", "[core][splay]") {
-  const auto d = splayed(R"({"alpha":[[0,1.1,0],[0.4,0,0.8],[0,2,0]],"length_mm":10})");
-  if (!d) FAIL(message(d.error()));
-  CHECK(d->pattern.v_folds.size() == 4);
+  const auto d =
+      testing::value(splayed(R"({"alpha":[[0,1.1,0],[0.4,0,0.8],[0,2,0]],"length_mm":10})"));
+  CHECK(d.pattern.v_folds.size() == 4);
   for (const double psi : {kPi, 2.5, 1.5, 0.4}) {
-    const auto places = posed_vertices(d->pattern, psi);
-    for (const VFold& fold : d->pattern.v_folds) {
+    const auto places = posed_vertices(d.pattern, psi);
+    for (const VFold& fold : d.pattern.v_folds) {
       const auto& tip = places[fold.tip];
-      const auto& b = places[d->pattern.edges[fold.edge_b].to];
-      const auto& c = places[d->pattern.edges[fold.edge_c].to];
+      const auto& b = places[d.pattern.edges[fold.edge_b].to];
+      const auto& c = places[d.pattern.edges[fold.edge_c].to];
       CHECK_THAT(distance(tip, places[fold.apex]), Catch::WithinAbs(fold.length_mm, 1e-12));
       CHECK_THAT(distance(tip, b), Catch::WithinAbs(fold.length_mm * fold.alpha, 1e-12));
       CHECK_THAT(distance(tip, c), Catch::WithinAbs(fold.length_mm * fold.alpha, 1e-12));
@@ -125,28 +125,24 @@ TEST_CASE("a single sheet goes from positive through zero to negative curvature"
       R"({{"length_mm":12,"ligament_mm":0.6,"targets":[{{"psi_rad":{},"sign":"+"}},{{"psi_rad":{},"K":0}},
           {{"psi_rad":{},"sign":"-"}}]}})",
       0.16 * kPi, 0.28 * kPi, 0.47 * kPi);
-  const auto d = splayed(splay);
-  if (!d) FAIL(message(d.error()));
+  const auto d = testing::value(splayed(splay));
   std::ostringstream fold;
-  REQUIRE(write_fold(d->pattern, {}, fold));
+  REQUIRE(write_fold(d.pattern, {}, fold));
   VerifyOptions options;
   options.degrees_of_freedom = 1;
-  const auto report = verify_fold(fold.str(), options);
-  REQUIRE(report);
-  CHECK(report->ok());
+  const auto report = testing::value(verify_fold(fold.str(), options));
+  CHECK(report.ok());
   const auto spec = parse_design_spec(
       R"({"popcut":1,"surface":{"type":"profile","z":"122 - x"},"units_per_slice":4,"slices":4,"widths_mm":26.4})");
-  const auto plain = design(*spec);
-  REQUIRE(plain);
+  const auto plain = testing::value(design(*spec));
   SplaySpec wanted;
   wanted.length_mm = 12, wanted.ligament_mm = 0.6;
   wanted.targets = {
       {0.16 * kPi, {}, 1, 0.05}, {0.28 * kPi, 0.0, 0, 0.05}, {0.47 * kPi, {}, -1, 0.05}};
-  const auto solved = solve_multi_state(plain->strips, wanted);
-  if (!solved) FAIL(message(solved.error()));
-  CHECK(solved->K_rad[0] >= 0.05 - 1e-9);
-  CHECK(std::abs(solved->K_rad[1]) < 1e-9);
-  CHECK(solved->K_rad[2] <= -0.05 + 1e-9);
+  const auto solved = testing::value(solve_multi_state(plain.strips, wanted));
+  CHECK(solved.K_rad[0] >= 0.05 - 1e-9);
+  CHECK(std::abs(solved.K_rad[1]) < 1e-9);
+  CHECK(solved.K_rad[2] <= -0.05 + 1e-9);
 }
 
 TEST_CASE("the splays of the geometry reference give its curvatures", "[core][splay]") {
@@ -157,15 +153,13 @@ TEST_CASE("the splays of the geometry reference give its curvatures", "[core][sp
       R"({{"popcut":1,"surface":{{"type":"profile","z":"{} - x"}},"units_per_slice":4,"slices":4,"widths_mm":22,
           "lattice":"conformal"}})",
       4 * a));
-  const auto d = design(*spec);
-  REQUIRE(d);
+  const auto d = testing::value(design(*spec));
   SplaySpec splay;
   splay.length_mm = w, splay.ligament_mm = 0.5;
   splay.alpha = {{0, across, 0}, {0, 0.7, 0}, {0, across, 0}};
-  CHECK_THAT(splayed_curvature(d->strips, splay, 2, 1, 0.16 * kPi), Catch::WithinAbs(0.0580, 1e-4));
-  CHECK_THAT(splayed_curvature(d->strips, splay, 2, 1, 0.28 * kPi), Catch::WithinAbs(0.0, 1e-9));
-  CHECK_THAT(splayed_curvature(d->strips, splay, 2, 1, 0.47 * kPi),
-             Catch::WithinAbs(-0.0608, 1e-4));
+  CHECK_THAT(splayed_curvature(d.strips, splay, 2, 1, 0.16 * kPi), Catch::WithinAbs(0.0580, 1e-4));
+  CHECK_THAT(splayed_curvature(d.strips, splay, 2, 1, 0.28 * kPi), Catch::WithinAbs(0.0, 1e-9));
+  CHECK_THAT(splayed_curvature(d.strips, splay, 2, 1, 0.47 * kPi), Catch::WithinAbs(-0.0608, 1e-4));
 }
 
 TEST_CASE("V-folds that do not fit are refused with values that would", "[core][splay]") {

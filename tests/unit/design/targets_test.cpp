@@ -21,6 +21,7 @@
 #include "tests/support/meshes.hpp"
 #include "tests/support/rounds.hpp"
 #include "tests/support/slice_distance.hpp"
+#include "tests/support/value.hpp"
 
 namespace targets_test {
 
@@ -36,9 +37,7 @@ Result<Surface> surface(const SurfaceSpec& spec, const SurfaceAssets& assets = {
 
 SurfaceSlice cut(const Result<Surface>& from, double s) {
   if (!from) FAIL(message(from.error()));
-  auto slice = from->cut(s);
-  if (!slice) FAIL(message(slice.error()));
-  return *slice;
+  return value(from->cut(s));
 }
 
 Result<Surface> mesh_surface(const TriangleMesh& mesh, const TargetPlacement& placement = {},
@@ -53,9 +52,7 @@ std::string spec_text(const std::string& surface_json, const std::string& more =
 }
 
 DesignSpec spec_of(const std::string& surface_json, const std::string& more = "") {
-  const auto spec = parse_design_spec(spec_text(surface_json, more));
-  if (!spec) FAIL(message(spec.error()));
-  return *spec;
+  return value(parse_design_spec(spec_text(surface_json, more)));
 }
 
 const std::string kMesh = R"({"type": "mesh", "file": "part.stl"})";
@@ -199,59 +196,48 @@ TEST_CASE("the proposed placement puts a half ball with its round side outward",
       48, 4);
   const std::string text_before =
       R"({"popcut":1,"surface":)" + kMesh + R"(,"units_per_slice":9,"slices":6,"widths_mm":10})";
-  auto read = parse_design_spec(text_before);
-  REQUIRE(read);
-  DesignSpec spec = *read;
-  const auto proposed = propose_placement(spec, {{"part.stl", binary_stl(wedge)}});
-  if (!proposed) FAIL(message(proposed.error()));
-  CHECK(proposed->unreachable_share < 1e-6);
-  CHECK(proposed->reached > 0.8);  // the slices take 55 of 60 mm
-  CHECK_FALSE(proposed->reached_before);
-  CHECK_THAT(proposed->refused_before, Catch::Contains("in the corner"));
-  spec.placement = proposed->placement, spec.fit = FitMode::Nearest;
-  const auto made = design(spec, {{"part.stl", binary_stl(wedge)}});
-  if (!made) FAIL(message(made.error()));
-  CHECK(made->report.degrees_of_freedom == 1);
-  const auto text = with_placement(text_before, *proposed);
-  REQUIRE(text);
-  const auto again = parse_design_spec(*text);
-  REQUIRE(again);
-  CHECK(again->placement.rotate_deg == proposed->placement.rotate_deg);
-  CHECK(again->placement.translate_mm == proposed->placement.translate_mm);
+  auto read = value(parse_design_spec(text_before));
+  DesignSpec spec = read;
+  const auto proposed = value(propose_placement(spec, {{"part.stl", binary_stl(wedge)}}));
+  CHECK(proposed.unreachable_share < 1e-6);
+  CHECK(proposed.reached > 0.8);  // the slices take 55 of 60 mm
+  CHECK_FALSE(proposed.reached_before);
+  CHECK_THAT(proposed.refused_before, Catch::Contains("in the corner"));
+  spec.placement = proposed.placement, spec.fit = FitMode::Nearest;
+  const auto made = value(design(spec, {{"part.stl", binary_stl(wedge)}}));
+  CHECK(made.report.degrees_of_freedom == 1);
+  const auto text = value(with_placement(text_before, proposed));
+  const auto again = value(parse_design_spec(text));
+  CHECK(again.placement.rotate_deg == proposed.placement.rotate_deg);
+  CHECK(again.placement.translate_mm == proposed.placement.translate_mm);
 }
 
 TEST_CASE("a proposed placement makes a mesh in metres or micrometres as long as the slices",
           "[core][target]") {
   const std::string text =
       R"({"popcut":1,"surface":)" + kMesh + R"(,"units_per_slice":4,"slices":6,"widths_mm":10})";
-  const auto read = parse_design_spec(text);
-  REQUIRE(read);
+  const auto read = value(parse_design_spec(text));
   for (const double unit : {0.001, 1.0 / 25.4, 1.0, 1000.0}) {
     CAPTURE(unit);
     const TriangleMesh house =
         box_mesh({0.0, 0.0, 0.0}, {30.0 * unit, 50.0 * unit, 25.0 * unit}, false);
-    const auto proposed = propose_placement(*read, {{"part.stl", binary_stl(house)}});
-    if (!proposed) FAIL(message(proposed.error()));
-    const auto placed_text = with_placement(text, *proposed);
-    REQUIRE(placed_text);
-    const auto spec = parse_design_spec(*placed_text);
-    REQUIRE(spec);
+    const auto proposed = value(propose_placement(read, {{"part.stl", binary_stl(house)}}));
+    const auto placed_text = value(with_placement(text, proposed));
+    const auto spec = value(parse_design_spec(placed_text));
     if (unit == 1.0) {
-      CHECK(placed_text->find("scale_mm") == std::string::npos);
+      CHECK(placed_text.find("scale_mm") == std::string::npos);
     } else {
       // 0.8 of the slices' 60 mm, in three digits.
-      CHECK_THAT(spec->placement.scale_mm * 50.0 * unit, Catch::WithinRel(48.0, 0.005));
+      CHECK_THAT(spec.placement.scale_mm * 50.0 * unit, Catch::WithinRel(48.0, 0.005));
     }
-    CHECK(design(*spec, {{"part.stl", binary_stl(house)}}));
+    CHECK(design(spec, {{"part.stl", binary_stl(house)}}));
   }
   // A scale that somebody chose stays.
   const std::string chosen = text.substr(0, text.size() - 1) + R"(,"scale_mm":1000})";
-  const auto own = parse_design_spec(chosen);
-  REQUIRE(own);
-  const auto proposed = propose_placement(
-      *own, {{"part.stl", binary_stl(box_mesh({0.0, 0.0, 0.0}, {0.03, 0.05, 0.025}, false))}});
-  REQUIRE(proposed);
-  CHECK(proposed->placement.scale_mm == 1000.0);
+  const auto own = value(parse_design_spec(chosen));
+  const auto proposed = value(propose_placement(
+      own, {{"part.stl", binary_stl(box_mesh({0.0, 0.0, 0.0}, {0.03, 0.05, 0.025}, false))}}));
+  CHECK(proposed.placement.scale_mm == 1000.0);
 }
 
 TEST_CASE("a proposed placement can be designed and reaches no less than before",
@@ -272,18 +258,13 @@ TEST_CASE("a proposed placement can be designed and reaches no less than before"
       CAPTURE(shape.name, stand == Stand::Whole);
       const std::string more = R"(, "fit": "nearest", "translate_mm": [12, 20, 9])";
       const SurfaceAssets assets{{"part.stl", binary_stl(shape.mesh)}};
-      const auto proposed = propose_placement(spec_of(kMesh, more), assets, stand);
-      if (!proposed) FAIL(message(proposed.error()));
-      const auto text = with_placement(spec_text(kMesh, more), *proposed);
-      REQUIRE(text);
-      const auto spec = parse_design_spec(*text);
-      REQUIRE(spec);
-      const auto made = design(*spec, assets);
-      if (!made) FAIL(message(made.error()));
-      CHECK(made->report.degrees_of_freedom == 1);
-      CHECK(proposed->reached > 0.0);
-      CHECK(proposed->reached <= 1.0);
-      CHECK(proposed->tried > 24);
+      const auto proposed = value(propose_placement(spec_of(kMesh, more), assets, stand));
+      const auto text = value(with_placement(spec_text(kMesh, more), proposed));
+      const auto made = value(design(value(parse_design_spec(text)), assets));
+      CHECK(made.report.degrees_of_freedom == 1);
+      CHECK(proposed.reached > 0.0);
+      CHECK(proposed.reached <= 1.0);
+      CHECK(proposed.tried > 24);
     }
   }
 }
@@ -293,25 +274,18 @@ TEST_CASE("a placement that is proposed for facets can be designed", "[core][tar
       R"({"popcut":1,"style":"facets","surface":)" + kMesh + R"(,"facets":{"strip_mm":6}})";
   const SurfaceAssets assets{
       {"part.stl", binary_stl(box_mesh({-20, -30, -10}, {25, 30, 14}, false))}};
-  const auto before = parse_design_spec(text);
-  REQUIRE(before);
-  const auto proposed = propose_placement(*before, assets, Stand::Whole);
-  if (!proposed) FAIL(message(proposed.error()));
-  const auto placed_text = with_placement(text, *proposed);
-  REQUIRE(placed_text);
-  const auto spec = parse_design_spec(*placed_text);
-  if (!spec) FAIL(message(spec.error()));
-  const auto made = design(*spec, assets);
-  if (!made) FAIL(message(made.error()));
-  CHECK(made->report.degrees_of_freedom == 1);
+  const auto before = value(parse_design_spec(text));
+  const auto proposed = value(propose_placement(before, assets, Stand::Whole));
+  const auto placed_text = value(with_placement(text, proposed));
+  const auto made = value(design(value(parse_design_spec(placed_text)), assets));
+  CHECK(made.report.degrees_of_freedom == 1);
 }
 
 TEST_CASE("even sections are those of the mesh slicer", "[core][target]") {
   const TriangleMesh ring = torus(25.0, 10.0, 60);
   const std::array<double, 3> shift{20.0, 31.0, 4.0};
-  const auto standing = placed(ring, {1.0, {}, shift});
-  REQUIRE(standing);
-  const MeshSlicer slicer(*standing);
+  const auto standing = value(placed(ring, {1.0, {}, shift}));
+  const MeshSlicer slicer(standing);
   const EvenPlanes planes{-6.1, 1.7, 48};  // some before and some behind the ring
   const auto sections = even_sections(ring, shift, planes);
   REQUIRE(sections.size() == 48);
@@ -360,16 +334,15 @@ TEST_CASE("the reached share of a plate is that of the strips beside it", "[core
 
 TEST_CASE("the report of a mesh names the parts out of reach", "[core][target]") {
   const DesignSpec spec = spec_of(kMesh, R"(, "fit": "nearest", "translate_mm": [28, 20, 28])");
-  const auto made = design(spec, {{"part.stl", binary_stl(icosphere(30.0, 4))}});
-  if (!made) FAIL(message(made.error()));
-  CHECK(made->report.degrees_of_freedom == 1);
-  CHECK(unreachable_share(made->report.fit) > 0.5);
-  CHECK(made->report.fit_nearest);
-  const std::string json = report_json(made->report);
+  const auto made = value(design(spec, {{"part.stl", binary_stl(icosphere(30.0, 4))}}));
+  CHECK(made.report.degrees_of_freedom == 1);
+  CHECK(unreachable_share(made.report.fit) > 0.5);
+  CHECK(made.report.fit_nearest);
+  const std::string json = report_json(made.report);
   for (const char* field : {"\"unreachable_share\"", "\"rms_mm\"", "\"max_mm\"", "\"nearest\""})
     CHECK(json.find(field) != std::string::npos);
   bool said = false;
-  for (const std::string& note : made->report.notes)
+  for (const std::string& note : made.report.notes)
     said = said || note.find("out of reach") != std::string::npos;
   CHECK(said);
 }
@@ -402,9 +375,8 @@ TEST_CASE("a mesh that cannot be used is refused with its own reason", "[core][t
 
 TEST_CASE("formulas know how to round and name what they know", "[core][target]") {
   const auto value = [](const char* text, double x) {
-    const auto formula = Expression::parse(text, {"x"});
-    if (!formula) FAIL(message(formula.error()));
-    return (*formula)(x);
+    const auto formula = testing::value(Expression::parse(text, {"x"}));
+    return formula(x);
   };
   CHECK(value("floor(x)", -1.5) == -2.0);
   CHECK(value("ceil(x)", -1.5) == -1.0);
@@ -433,15 +405,13 @@ TEST_CASE("a target that ends inside a slice is cut where it still is", "[core][
   // A ball of 40 mm from y = 0 to 80: the middles of the first and the last slice touch its poles.
   const TriangleMesh ball = sphere_mesh(40.0, 60, 60);
   const auto designed = [&](const std::string& surface, const std::string& more) {
-    const auto spec = parse_design_spec(
+    const auto spec = value(parse_design_spec(
         R"({"popcut":1,"units_per_slice":3,"slices":9,"widths_mm":10,"surface":)" + surface + more +
-        "}");
-    if (!spec) FAIL(message(spec.error()));
-    auto made = design(*spec, {{"b.stl", binary_stl(ball)}});
-    if (!made) FAIL(message(made.error()));
-    CHECK(made->report.degrees_of_freedom == 1);
-    CHECK(made->report.slices.size() == 9);
-    return made->report.notes;
+        "}"));
+    auto made = value(design(spec, {{"b.stl", binary_stl(ball)}}));
+    CHECK(made.report.degrees_of_freedom == 1);
+    CHECK(made.report.slices.size() == 9);
+    return made.report.notes;
   };
   const std::string says = "slice 8: the target ends there; its curve is the one at s = 77.";
   const auto said = [&](const std::vector<std::string>& notes) {
@@ -460,11 +430,10 @@ TEST_CASE("a target that ends inside a slice is cut where it still is", "[core][
 
 TEST_CASE("a target beyond every slice is infeasible and says where it is", "[core][target]") {
   const TriangleMesh ball = sphere_mesh(40.0, 20, 20);
-  const auto spec = parse_design_spec(
+  const auto spec = value(parse_design_spec(
       R"({"popcut":1,"units_per_slice":3,"slices":5,"widths_mm":10,"fit":"nearest",
-          "surface":{"type":"mesh","file":"b.stl"},"translate_mm":[0,-90,0]})");
-  REQUIRE(spec);
-  const auto made = design(*spec, {{"b.stl", binary_stl(ball)}});
+          "surface":{"type":"mesh","file":"b.stl"},"translate_mm":[0,-90,0]})"));
+  const auto made = design(spec, {{"b.stl", binary_stl(ball)}});
   REQUIRE_FALSE(made);
   CHECK(made.error().kind == ErrorKind::Infeasible);
   CHECK(made.error().reason == ErrorReason::Misplaced);  // the command line names --place
@@ -472,21 +441,19 @@ TEST_CASE("a target beyond every slice is infeasible and says where it is", "[co
 }
 
 TEST_CASE("conformal planes without room become levels that end", "[core][design]") {
-  const auto spec = parse_design_spec(
+  const auto spec = value(parse_design_spec(
       R"j({"popcut":1,"surface":{"type":"revolution","radius":"sqrt(70^2-(y-50)^2)"},
           "units_per_slice":40,"slices":10,"widths_mm":10,"min_panel_mm":2,
-          "lattice":"conformal"})j");
-  REQUIRE(spec);
-  const auto made = design(*spec);
-  if (!made) FAIL(message(made.error()));
-  CHECK(made->report.lattice == "levels");
-  auto many = *spec;
+          "lattice":"conformal"})j"));
+  const auto made = value(design(spec));
+  CHECK(made.report.lattice == "levels");
+  auto many = spec;
   for (RegionSpec& region : many.regions) region.units_per_slice = 2000;
   const auto refused = design(many);
   REQUIRE_FALSE(refused);
   CHECK_THAT(refused.error().detail, Catch::Contains("at most 31 units fit"));
-  CHECK_THAT(made->report.lattice_note, Catch::Contains("levels taken, since conformal"));
-  CHECK(made->report.degrees_of_freedom == 1);
+  CHECK_THAT(made.report.lattice_note, Catch::Contains("levels taken, since conformal"));
+  CHECK(made.report.degrees_of_freedom == 1);
 }
 
 TEST_CASE("a solid that cannot be used is refused with its own reason", "[core][target]") {
@@ -562,10 +529,9 @@ TEST_CASE("a chain with several minima takes the best one and reports the spread
     const auto curve =
         surface(ProfileSpec{fmt::format("1 - x + 0.95*sin({0}*pi*x)/({0}*pi)", 2 * waves)});
     std::vector<double> x(static_cast<std::size_t>(units) + 1), z(x.size());
-    auto figures = ChainSolver{}.solve(cut(curve, 0.0).curve, units, x, z);
-    REQUIRE(figures);
-    CHECK_THAT(chain_loss(x, z), Catch::WithinRel(figures->loss, 1e-12));
-    return *figures;
+    auto figures = value(ChainSolver{}.solve(cut(curve, 0.0).curve, units, x, z));
+    CHECK_THAT(chain_loss(x, z), Catch::WithinRel(figures.loss, 1e-12));
+    return figures;
   };
   const ChainFigures two = solved(2, 9), four = solved(4, 9);
   CHECK(two.minima == 2);
@@ -648,9 +614,8 @@ TEST_CASE("a drawn surface ends at its first and last point", "[core][target][dr
   CHECK_THAT(beyond.detail, Catch::Matchers::Contains("its points reach from y = 0 to 50"));
   // A slice in which it ends takes what is there, as with a formula.
   const auto spec = spec_of(R"({"type": "revolution", "radius": {"points": [[0, 30], [38, 35]]}})");
-  const auto made = design(spec);
-  REQUIRE(made);
-  CHECK(std::any_of(made->report.notes.begin(), made->report.notes.end(), [](const auto& note) {
+  const auto made = value(design(spec));
+  CHECK(std::any_of(made.report.notes.begin(), made.report.notes.end(), [](const auto& note) {
     return note.find("the target ends there") != std::string::npos;
   }));
   // One curve for all of the spine has no ends.

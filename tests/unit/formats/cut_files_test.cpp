@@ -15,6 +15,7 @@
 #include "core/formats/write/profile_svg.hpp"
 #include "core/plan/knife/micro_cut.hpp"
 #include "tests/support/box_card.hpp"
+#include "tests/support/value.hpp"
 
 namespace cut_files_test {
 
@@ -120,10 +121,9 @@ TEST_CASE("a Cricut drawing is as large as the mat with each operation a group",
   }
   CHECK(paths == dashed.lines.size());  // each dash is a solid path to cut
   CHECK(colours == std::vector<std::string>{"#000000"});
-  const auto back = linework_from_svg(text, SvgProfile::Cricut);
-  REQUIRE(back);
-  CHECK(bounds(*back).width() == Approx(70));
-  CHECK(bounds(*back).height() == Approx(70));
+  const auto back = testing::value(linework_from_svg(text, SvgProfile::Cricut));
+  CHECK(bounds(back).width() == Approx(70));
+  CHECK(bounds(back).height() == Approx(70));
   // Whole folds are one path to score.
   text = cricut(linework_from_pattern(testing::box_card_pattern()));
   REQUIRE(document.load_string(text.c_str()));
@@ -137,15 +137,14 @@ TEST_CASE("a drawing that is too wide for the Cricut mat is rotated and not mirr
           "[core][formats][cricut]") {
   LineWork work;
   work.append(Operation::Cut, std::vector<PagePoint>{{10, 10}, {210, 10}, {210, 40}});
-  const auto back = linework_from_svg(cricut(work, {4, 9}), SvgProfile::Plain);
-  REQUIRE(back);
-  REQUIRE(back->lines.size() == 1);
-  const auto points = back->points_of(back->lines[0]);
+  const auto back = testing::value(linework_from_svg(cricut(work, {4, 9}), SvgProfile::Plain));
+  REQUIRE(back.lines.size() == 1);
+  const auto points = back.points_of(back.lines[0]);
   // The corner turns to the right (y down) before and after.
   const double turn = (points[1].x - points[0].x) * (points[2].y - points[1].y) -
                       (points[1].y - points[0].y) * (points[2].x - points[1].x);
   CHECK(turn == Approx(200 * 30));
-  CHECK(bounds(*back).height() == Approx(200));
+  CHECK(bounds(back).height() == Approx(200));
   std::ostringstream out;
   const auto large = write_cricut_svg(work, {4, 4}, out);
   REQUIRE_FALSE(large);
@@ -166,16 +165,15 @@ TEST_CASE("the DXF of a sheet has its lines in cutting order, at true size, y up
   work.append(Operation::Outline, ring);
   std::ostringstream out;
   write_sheet_dxf(work, {100, 50}, out);
-  const auto read = linework_from_dxf(out.str());
-  REQUIRE(read);
-  CHECK(read->warnings.size() == 1);  // folds of no side
-  REQUIRE(read->lines.size() == 5);
+  const auto read = testing::value(linework_from_dxf(out.str()));
+  CHECK(read.warnings.size() == 1);  // folds of no side
+  REQUIRE(read.lines.size() == 5);
   const Operation operations[] = {Operation::Draw, Operation::FoldValley, Operation::FoldValley,
                                   Operation::Cut, Operation::Cut};
   for (std::size_t i = 0; i < 5; ++i) {
     CAPTURE(i);
-    CHECK(read->lines[i].operation == operations[i]);
-    const auto mine = work.points_of(work.lines[i]), theirs = read->points_of(read->lines[i]);
+    CHECK(read.lines[i].operation == operations[i]);
+    const auto mine = work.points_of(work.lines[i]), theirs = read.points_of(read.lines[i]);
     REQUIRE(theirs.size() == mine.size());
     // The reader's page begins at the DXF's origin, which is the lower left corner of the sheet.
     for (std::size_t k = 0; k < mine.size(); ++k) {

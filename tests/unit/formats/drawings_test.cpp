@@ -15,6 +15,7 @@
 #include "core/formats/write/pattern_files.hpp"
 #include "core/picture/deployed_svg.hpp"
 #include "tests/support/box_card.hpp"
+#include "tests/support/value.hpp"
 
 namespace drawings_test {
 
@@ -148,16 +149,15 @@ TEST_CASE("a drawing reads back as the lines of the pattern", "[core][formats][s
       }));
     }
   };
-  const auto looked_at = linework_from_svg(pattern_svg(pattern), SvgProfile::Popcut);
-  REQUIRE(looked_at);
-  CHECK_FALSE(looked_at->dashed);
-  same_lines(*looked_at);
+  const auto looked_at =
+      testing::value(linework_from_svg(pattern_svg(pattern), SvgProfile::Popcut));
+  CHECK_FALSE(looked_at.dashed);
+  same_lines(looked_at);
   std::vector<SheetLine> folds = pattern.lines;  // whole folds stand in for their dashes
-  const auto cut = linework_from_svg(
-      text_of([&](std::ostream& out) { write_cut_svg(pattern, folds, out); }), SvgProfile::Popcut);
-  REQUIRE(cut);
-  CHECK(cut->dashed);
-  same_lines(*cut);
+  const auto cut = testing::value(linework_from_svg(
+      text_of([&](std::ostream& out) { write_cut_svg(pattern, folds, out); }), SvgProfile::Popcut));
+  CHECK(cut.dashed);
+  same_lines(cut);
 }
 
 TEST_CASE("the deployed picture paints every face and stays in its frame",

@@ -11,6 +11,7 @@
 #include "tests/support/box_card.hpp"
 #include "tests/support/linework_checks.hpp"
 #include "tests/support/svg_drafts.hpp"
+#include "tests/support/value.hpp"
 
 namespace dxf_reader_test {
 
@@ -162,10 +163,9 @@ TEST_CASE("a DXF layer that nobody knows beside known ones is asked about",
   const auto in_page = [&](const std::string& page, const std::string& lines) {
     return linework_from_dxf(drawing(lines, section("HEADER", "9 $DWGCODEPAGE 3 " + page)), asks);
   };
-  const auto chinese = in_page("ANSI_936", coded);
-  REQUIRE(chinese);
-  CHECK(total_mm(*chinese, Operation::Cut) == Approx(1));
-  CHECK(total_mm(*chinese, Operation::FoldValley) == Approx(2));
+  const auto chinese = value(in_page("ANSI_936", coded));
+  CHECK(total_mm(chinese, Operation::Cut) == Approx(1));
+  CHECK(total_mm(chinese, Operation::FoldValley) == Approx(2));
   const auto russian =
       in_page("ANSI_1251", line_on("\xf0\xe5\xe7", 1) + line_on("\xf1\xe3\xe8\xe1", 2));
   REQUIRE(russian);
@@ -593,8 +593,7 @@ TEST_CASE("popcut's own DXF reads back to the cuts and folds of its FOLD", "[cor
   write_pattern_dxf(pattern, dxf);
   REQUIRE(write_fold(pattern, {}, fold));
   const LineWork a = read(dxf.str());
-  const auto b = linework_from_fold(fold.str());
-  REQUIRE(b);
+  const auto b = value(linework_from_fold(fold.str()));
   const auto lines = [](const LineWork& work, bool folds) {
     std::vector<std::vector<PagePoint>> out;
     for (const DrawnLine& line : work.lines) {
@@ -606,10 +605,10 @@ TEST_CASE("popcut's own DXF reads back to the cuts and folds of its FOLD", "[cor
   CHECK(a.warnings.empty());
   for (const Operation fold_side : {Operation::FoldMountain, Operation::FoldValley}) {
     CHECK(count(a, fold_side) > 0);
-    CHECK(total_mm(a, fold_side) == Approx(total_mm(*b, fold_side)));
+    CHECK(total_mm(a, fold_side) == Approx(total_mm(b, fold_side)));
   }
   CHECK(total_mm(a, Operation::Cut) ==
-        Approx(total_mm(*b, Operation::Cut) + total_mm(*b, Operation::Outline)));
+        Approx(total_mm(b, Operation::Cut) + total_mm(b, Operation::Outline)));
   // Every line of the one lies on lines of the same kind of the other.
   for (const bool folds : {true, false})
     for (const auto& line : lines(a, folds))
@@ -617,7 +616,7 @@ TEST_CASE("popcut's own DXF reads back to the cuts and folds of its FOLD", "[cor
            {line[0], PagePoint{(line[0].x + line[1].x) / 2, (line[0].y + line[1].y) / 2},
             line[1]}) {
         double near = 1e9;
-        for (const auto& other : lines(*b, folds))
+        for (const auto& other : lines(b, folds))
           for (std::size_t i = 1; i < other.size(); ++i)
             near = std::min(near, distance_to(p, other[i - 1], other[i]));
         CHECK(near < 1e-3);  // the DXF is rounded
@@ -641,16 +640,14 @@ TEST_CASE("several colours on layers without a meaning are asked about", "[core]
   CHECK(read(red_and_blue).lines.size() == 2);
   DxfOptions looks = asks;
   looks.looks = true;
-  const auto asked = linework_from_dxf(red_and_blue, looks);
-  REQUIRE(asked);
-  CHECK(asked->asks == "colors");
-  CHECK(asked->unsaid == std::vector<DrawnLook>{{"A", "#ff0000"}, {"B", "#0000ff"}});
+  const auto asked = value(linework_from_dxf(red_and_blue, looks));
+  CHECK(asked.asks == "colors");
+  CHECK(asked.unsaid == std::vector<DrawnLook>{{"A", "#ff0000"}, {"B", "#0000ff"}});
   DxfOptions says = asks;
   says.said = *parse_colour_uses("red=fold-mountain; blue=ignore");
-  const auto said = linework_from_dxf(red_and_blue, says);
-  REQUIRE(said);
-  REQUIRE(said->lines.size() == 1);
-  CHECK(said->lines[0].operation == Operation::FoldMountain);
+  const auto said = value(linework_from_dxf(red_and_blue, says));
+  REQUIRE(said.lines.size() == 1);
+  CHECK(said.lines[0].operation == Operation::FoldMountain);
   // Where cuts were said, a colour of which nothing was said is not cut.
   says.said = *parse_colour_uses("red=cut");
   CHECK(linework_from_dxf(red_and_blue, says).error().reason == ErrorReason::Unclear);

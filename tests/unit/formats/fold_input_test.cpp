@@ -13,6 +13,7 @@
 #include "core/text/file_kind.hpp"
 #include "core/text/json_text.hpp"
 #include "tests/support/linework_checks.hpp"
+#include "tests/support/value.hpp"
 
 namespace fold_input_test {
 
@@ -40,15 +41,14 @@ TEST_CASE("crease patterns of ORIPA and Oriedita are read", "[core][formats][fol
       "1 -200 -200 200 -200\r\n1 200 -200 200 200\r\n1 200 200 -200 200\r\n"
       "1 -200 200 -200 -200\r\n2 -200 -200 200 200\r\n3 -200.0 2e2 0 0\r\n4 0 0 0 100\r\n";
   REQUIRE(is_crease_pattern(cp));
-  const auto work = linework_from_fold(*fold_of_crease_pattern(cp));
-  REQUIRE(work);
-  CHECK(total_mm(*work, Operation::Outline) == Approx(1600));
-  CHECK(total_mm(*work, Operation::FoldMountain) == Approx(400 * std::sqrt(2)));
-  CHECK(total_mm(*work, Operation::FoldValley) == Approx(200 * std::sqrt(2)));
+  const auto work = value(linework_from_fold(*fold_of_crease_pattern(cp)));
+  CHECK(total_mm(work, Operation::Outline) == Approx(1600));
+  CHECK(total_mm(work, Operation::FoldMountain) == Approx(400 * std::sqrt(2)));
+  CHECK(total_mm(work, Operation::FoldValley) == Approx(200 * std::sqrt(2)));
   // x to the right, y down: the valley runs from the lower left corner.
-  for (const DrawnLine& line : work->lines)
+  for (const DrawnLine& line : work.lines)
     if (line.operation == Operation::FoldValley) {
-      const auto points = work->points_of(line);
+      const auto points = work.points_of(line);
       CHECK(std::min(points.front().x, points.back().x) == Approx(-200));
       CHECK(std::max(points.front().y, points.back().y) == Approx(200));
     }
@@ -60,9 +60,8 @@ TEST_CASE("crease patterns of ORIPA and Oriedita are read", "[core][formats][fol
     <object class="oripa.OriLineProxy"><void property="type"><int>2</int></void>
     <void property="y1"><double>-40.0</double></void></object></void></array></void></object></java>)x";
   REQUIRE(is_crease_pattern(opx));
-  const auto lines = linework_from_fold(*fold_of_crease_pattern(opx));
-  REQUIRE(lines);
-  CHECK(total_mm(*lines, Operation::FoldMountain) == Approx(40));
+  const auto lines = value(linework_from_fold(*fold_of_crease_pattern(opx)));
+  CHECK(total_mm(lines, Operation::FoldMountain) == Approx(40));
   std::string comma = opx;
   comma.replace(comma.find("30.0"), 4, "30,5");
   CHECK(message(fold_of_crease_pattern(comma).error()) ==
@@ -176,12 +175,11 @@ TEST_CASE("a FOLD error says where and what would be right", "[core][formats][fo
 TEST_CASE("a border drawn a hundred thousand times becomes one slit", "[core][formats][fold]") {
   std::string edges = "[0,1]", letters = "\"B\"";
   for (int i = 0; i < 100'000; ++i) edges += ",[0,1]", letters += ",\"B\"";
-  const auto work = linework_from_fold(
+  const auto work = value(linework_from_fold(
       R"({"frame_unit":"mm","vertices_coords":[[0,0],[0,9]],"edges_vertices":[)" + edges +
-      R"(],"edges_assignment":[)" + letters + "]}");
-  REQUIRE(work);
-  CHECK(work->lines.size() == 1);
-  CHECK(total_mm(*work, Operation::Cut) == Approx(9));
+      R"(],"edges_assignment":[)" + letters + "]}"));
+  CHECK(work.lines.size() == 1);
+  CHECK(total_mm(work, Operation::Cut) == Approx(9));
 }
 
 TEST_CASE("JSON nested a million deep gets one clear error from every reader",
@@ -206,14 +204,13 @@ TEST_CASE("a plane graph has a vertex at each crossing and no edge twice",
                                       crease(10, 10, 0, 10, 'B'), crease(0, 10, 0, 0, 'B'),
                                       crease(0, 0, 10, 10, 'M'),  crease(10, 0, 0, 10, 'V'),
                                       crease(2, 0, 8, 0, 'F')};
-  const auto graph = planar_graph(lines, 1e-6);
-  REQUIRE(graph);
-  CHECK(graph->vertices.size() == 7);
-  CHECK(graph->edges.size() == 10);
-  CHECK(graph->faces.size() == 4);
-  CHECK(graph->joined("MV") == 1);
-  CHECK(graph->joined("M") == 2);
-  CHECK(std::count(graph->assignments.begin(), graph->assignments.end(), 'F') == 0);
+  const auto graph = value(planar_graph(lines, 1e-6));
+  CHECK(graph.vertices.size() == 7);
+  CHECK(graph.edges.size() == 10);
+  CHECK(graph.faces.size() == 4);
+  CHECK(graph.joined("MV") == 1);
+  CHECK(graph.joined("M") == 2);
+  CHECK(std::count(graph.assignments.begin(), graph.assignments.end(), 'F') == 0);
   CHECK_FALSE(planar_graph(std::vector<CreaseLine>{crease(0, 0, 1e9, 0, 'C')}, 1e-6));
   CHECK(planar_graph({}, 1e-6)->faces.empty());
 }
@@ -222,11 +219,10 @@ TEST_CASE("a slit that ends inside a face is opened and keeps its tip", "[core][
   std::vector<CreaseLine> lines{crease(0, 0, 10, 0, 'B'), crease(10, 0, 10, 10, 'B'),
                                 crease(10, 10, 0, 10, 'B'), crease(0, 10, 0, 0, 'B'),
                                 crease(0, 5, 6, 5, 'C')};
-  const auto graph = planar_graph(lines, 1e-6);
-  REQUIRE(graph);
-  CHECK(graph->faces.size() == 1);
-  CHECK(graph->faces[0].size() == 7);  // the slit is walked on both sides
-  const PlanarGraph split = split_cuts(*graph);
+  const auto graph = value(planar_graph(lines, 1e-6));
+  CHECK(graph.faces.size() == 1);
+  CHECK(graph.faces[0].size() == 7);  // the slit is walked on both sides
+  const PlanarGraph split = split_cuts(graph);
   CHECK(split.faces.size() == 1);
   CHECK(split.edges.size() == 7);
   CHECK(split.vertices.size() == 7);  // its mouth is two vertices, its tip one
@@ -324,16 +320,14 @@ TEST_CASE("a FOLD file may be UTF-16, have its frames in a list, and name units 
   };
   for (const auto& [unit, mm] : {std::pair("Inch", 25.4), {"MM", 1.0}, {"feet", 304.8}}) {
     CAPTURE(unit);
-    const auto work = linework_from_fold(file(unit));
-    if (!work) FAIL(message(work.error()));
-    CHECK(total_mm(*work, Operation::Outline) == Approx(6 * mm));
-    CHECK(total_mm(*work, Operation::FoldValley) == Approx(std::sqrt(5.0) * mm));
+    const auto work = value(linework_from_fold(file(unit)));
+    CHECK(total_mm(work, Operation::Outline) == Approx(6 * mm));
+    CHECK(total_mm(work, Operation::FoldValley) == Approx(std::sqrt(5.0) * mm));
   }
   std::string wide = "\xFE\xFF";
   for (const char c : file("cm")) (wide += '\0') += c;
-  const auto work = linework_from_fold(wide);
-  REQUIRE(work);
-  CHECK(total_mm(*work, Operation::Outline) == Approx(60));
+  const auto work = value(linework_from_fold(wide));
+  CHECK(total_mm(work, Operation::Outline) == Approx(60));
 }
 
 TEST_CASE("a warning names folds whose angle is that of the other side", "[core][formats][fold]") {
@@ -353,10 +347,9 @@ TEST_CASE("a warning names folds whose angle is that of the other side", "[core]
 }
 
 TEST_CASE("an edge without length does not make a crease pattern larger", "[core][formats][fold]") {
-  const auto work = linework_from_fold(*fold_of_crease_pattern("1 0 0 9 0\n2 99 0 99 0\n"));
-  REQUIRE(work);
-  CHECK(bounds(*work).width() == Approx(9));
-  CHECK(std::any_of(work->warnings.begin(), work->warnings.end(),
+  const auto work = value(linework_from_fold(*fold_of_crease_pattern("1 0 0 9 0\n2 99 0 99 0\n")));
+  CHECK(bounds(work).width() == Approx(9));
+  CHECK(std::any_of(work.warnings.begin(), work.warnings.end(),
                     [](const Warning& one) { return one.code == "no_size"; }));
 }
 
@@ -366,10 +359,10 @@ TEST_CASE("crease patterns of a FOLD file that are not read are counted", "[core
   const std::string triangle =
       R"("vertices_coords":[[0,0],[2,0],[2,1]],"edges_vertices":[[0,1],[1,2],[2,0]])";
   const auto told = [&](const std::string& frames) {
-    const auto work = linework_from_fold(
-        "{" + pattern + R"(,"edges_assignment":["B","B","B","B"],"file_frames":[)" + frames + "]}");
-    REQUIRE(work);
-    return std::any_of(work->warnings.begin(), work->warnings.end(), [](const Warning& warning) {
+    const auto work = value(linework_from_fold(
+        "{" + pattern + R"(,"edges_assignment":["B","B","B","B"],"file_frames":[)" + frames +
+        "]}"));
+    return std::any_of(work.warnings.begin(), work.warnings.end(), [](const Warning& warning) {
       return warning.message.find("1 more crease pattern;") != std::string::npos;
     });
   };
@@ -386,50 +379,45 @@ TEST_CASE("a FOLD file of one unit is read at the size that it is cut", "[core][
       R"("edges_assignment":["B","B","B","B","B","B","B","B","B"]})";
   const double whole = std::hypot(0.01, 0.01) + 0.99 + 1 + 0.492 + 0.5 + 0.008 + 0.5 + 0.5 + 0.99;
   for (const double enlarged : {100.0, 300.0, 3000.0}) {
-    const auto work = linework_from_fold(text, {}, {}, enlarged);
-    REQUIRE(work);
-    CHECK(work->lines.size() == 1);
-    CHECK(total_mm(*work, Operation::Outline) == Approx(whole).epsilon(1e-9));
+    const auto work = value(linework_from_fold(text, {}, {}, enlarged));
+    CHECK(work.lines.size() == 1);
+    CHECK(total_mm(work, Operation::Outline) == Approx(whole).epsilon(1e-9));
   }
   // Of 1000 units on 100 mm, ends that are 0.1 units apart meet.
-  const auto large = linework_from_fold(
+  const auto large = value(linework_from_fold(
       R"({"vertices_coords":[[0,0],[1000,0],[1000,1000],[0,1000],[0.05,0.1]],)"
       R"("edges_vertices":[[0,1],[1,2],[2,3],[3,4]],"edges_assignment":["B","B","B","B"]})",
-      {}, {}, 0.1);
-  REQUIRE(large);
-  CHECK(large->lines.size() == 1);
-  CHECK(large->points_of(large->lines[0]).front() == large->points_of(large->lines[0]).back());
+      {}, {}, 0.1));
+  CHECK(large.lines.size() == 1);
+  CHECK(large.points_of(large.lines[0]).front() == large.points_of(large.lines[0]).back());
 }
 
 TEST_CASE("faces of a FOLD file stand for edges and border where no list gives them",
           "[core][formats][fold]") {
   const std::string square = R"("vertices_coords":[[0,0],[10,0],[10,10],[0,10]],)"
                              R"("faces_vertices":[[0,1,2],[0,2,3]])";
-  const auto alone = linework_from_fold(R"({"frame_unit":"mm",)" + square + "}");
-  REQUIRE(alone);
-  CHECK(total_mm(*alone, Operation::Outline) == Approx(40));
-  CHECK(alone->lines.size() == 1);
-  REQUIRE(alone->warnings.size() == 1);  // the diagonal: nothing says that it is a fold
-  CHECK(alone->warnings[0].spoils);
+  const auto alone = value(linework_from_fold(R"({"frame_unit":"mm",)" + square + "}"));
+  CHECK(total_mm(alone, Operation::Outline) == Approx(40));
+  CHECK(alone.lines.size() == 1);
+  REQUIRE(alone.warnings.size() == 1);  // the diagonal: nothing says that it is a fold
+  CHECK(alone.warnings[0].spoils);
   // Only the fold is listed: the outline still comes from the faces.
-  const auto fold_only = linework_from_fold(
-      R"({"frame_unit":"mm",)" + square + R"(,"edges_vertices":[[0,2]],"edges_assignment":["V"]})");
-  REQUIRE(fold_only);
-  CHECK(total_mm(*fold_only, Operation::FoldValley) == Approx(std::hypot(10, 10)));
-  CHECK(total_mm(*fold_only, Operation::Outline) == Approx(40));
-  CHECK(fold_only->warnings.empty());
-  const auto no_faces = linework_from_fold(
+  const auto fold_only =
+      value(linework_from_fold(R"({"frame_unit":"mm",)" + square +
+                               R"(,"edges_vertices":[[0,2]],"edges_assignment":["V"]})"));
+  CHECK(total_mm(fold_only, Operation::FoldValley) == Approx(std::hypot(10, 10)));
+  CHECK(total_mm(fold_only, Operation::Outline) == Approx(40));
+  CHECK(fold_only.warnings.empty());
+  const auto no_faces = value(linework_from_fold(
       R"({"frame_unit":"mm","vertices_coords":[[0,0],[10,0]],"edges_vertices":[[0,1]],)"
-      R"("edges_assignment":["V"]})");
-  REQUIRE(no_faces);
-  REQUIRE(no_faces->warnings.size() == 1);
-  CHECK_THAT(no_faces->warnings[0].message, Catch::Contains("not cut out"));
-  const auto angled = linework_from_fold(
+      R"("edges_assignment":["V"]})"));
+  REQUIRE(no_faces.warnings.size() == 1);
+  CHECK_THAT(no_faces.warnings[0].message, Catch::Contains("not cut out"));
+  const auto angled = value(linework_from_fold(
       R"({"frame_unit":"mm",)" + square +
-      R"(,"edges_vertices":[[2,0],[0,1],[1,2],[2,3],[3,0]],"edges_foldAngle":[90,0,0,0,0]})");
-  REQUIRE(angled);
-  CHECK(total_mm(*angled, Operation::FoldValley) == Approx(std::hypot(10, 10)));
-  CHECK(total_mm(*angled, Operation::Outline) == Approx(40));
+      R"(,"edges_vertices":[[2,0],[0,1],[1,2],[2,3],[3,0]],"edges_foldAngle":[90,0,0,0,0]})"));
+  CHECK(total_mm(angled, Operation::FoldValley) == Approx(std::hypot(10, 10)));
+  CHECK(total_mm(angled, Operation::Outline) == Approx(40));
 }
 
 TEST_CASE("a model folded flat is refused, and a crease pattern under its name is read",
@@ -478,12 +466,12 @@ TEST_CASE("a FOLD file without a flat pattern or a size says what to give",
              Catch::Contains("2 x 1 mm") && Catch::Contains("`width`"));
   for (const auto& [unit, mm] : std::vector<std::pair<std::string, double>>{
            {"mm", 1}, {"cm", 10}, {"m", 1000}, {"in", 25.4}, {"pt", 25.4 / 72}, {"um", 0.001}}) {
-    const auto work = linework_from_fold(R"({"frame_unit":")" + unit +
-                                         R"(","vertices_coords":[[0,0],[3,0]],)"
-                                         R"("edges_vertices":[[0,1]],"edges_assignment":["C"]})");
-    REQUIRE(work);
-    CHECK(total_mm(*work, Operation::Cut) == Approx(3 * mm));
-    CHECK(work->warnings.empty());
+    const auto work =
+        value(linework_from_fold(R"({"frame_unit":")" + unit +
+                                 R"(","vertices_coords":[[0,0],[3,0]],)"
+                                 R"("edges_vertices":[[0,1]],"edges_assignment":["C"]})"));
+    CHECK(total_mm(work, Operation::Cut) == Approx(3 * mm));
+    CHECK(work.warnings.empty());
   }
 }
 

@@ -13,6 +13,7 @@
 #include "core/design/patches.hpp"
 #include "core/formats/lattice/lattice_blob.hpp"
 #include "tests/support/lattice_reader.hpp"
+#include "tests/support/value.hpp"
 
 namespace lattice_blob_test {
 
@@ -22,11 +23,7 @@ using testing::LatticeReader;
 namespace {
 
 Design made_of(const std::string& text) {
-  const auto spec = parse_design_spec(text);
-  REQUIRE(spec);
-  auto made = design(*spec);
-  REQUIRE(made);
-  return std::move(*made);
+  return testing::value(design(testing::value(parse_design_spec(text))));
 }
 
 const std::string kSphere = R"j({"popcut": 1, "name": "sphere", "surface":
@@ -92,9 +89,9 @@ TEST_CASE("a lattice blob tells fold, slit and flat sides of a sheet from elsewh
   for (std::size_t f = 0; f < 2; ++f)
     for (const PatternVertex& p : sheet.vertices)
       frames.places[f].emplace_back(p.x, p.v, 0.25 * static_cast<double>(f));
-  const auto bytes = lattice_blob(sheet, frames, {.kind = "svg", .judged = {"one piece"}});
-  REQUIRE(bytes);
-  const LatticeReader blob(*bytes);
+  const auto bytes =
+      testing::value(lattice_blob(sheet, frames, {.kind = "svg", .judged = {"one piece"}}));
+  const LatticeReader blob(bytes);
   CHECK(blob.head["motion"] == "frames");
   CHECK(blob.head["frames"]["psi_rad"] == nlohmann::json({std::numbers::pi, 1.0}));
   CHECK(blob.head["judged"] == nlohmann::json({"one piece"}));
@@ -132,12 +129,12 @@ TEST_CASE("a lattice blob tells fold, slit and flat sides of a sheet from elsewh
   CHECK(LatticeReader(*lattice_blob(sheet, LatticeFrames{})).head["motion"] == "flat");
 
   // Lines that are neither cut nor folded come after these, without a role.
-  const auto scored = lattice_blob(sheet, LatticeFrames{}, {.others = {{1, 2, 3, 4, {}}}});
-  REQUIRE(scored);
-  const auto lines = LatticeReader(*scored).floats("lines");
+  const auto scored =
+      testing::value(lattice_blob(sheet, LatticeFrames{}, {.others = {{1, 2, 3, 4, {}}}}));
+  const auto lines = LatticeReader(scored).floats("lines");
   REQUIRE(lines.size() == 4 * (6 + 1 + 1 + 1));
   CHECK(std::vector(lines.end() - 4, lines.end()) == std::vector<float>{1, 2, 3, 4});
-  CHECK(LatticeReader(*scored).bytes("line_role")[8] == 0);
+  CHECK(LatticeReader(scored).bytes("line_role")[8] == 0);
 }
 
 TEST_CASE("a lattice blob turns faces that run clockwise", "[core][blob]") {
@@ -172,9 +169,8 @@ TEST_CASE("a lattice blob has K and H where folds have their fold vertex", "[cor
   const auto k = blob.floats("point_k"), h = blob.floats("point_h");
   const auto points = blob.floats("points");
   REQUIRE(k.size() == sphere.pattern.vertices.size());
-  const auto vertices = fold_vertices(sphere.pattern);
-  REQUIRE(vertices);
-  const auto values = pattern_curvature(*vertices, std::numbers::pi / 2);
+  const auto vertices = testing::value(fold_vertices(sphere.pattern));
+  const auto values = pattern_curvature(vertices, std::numbers::pi / 2);
   REQUIRE_FALSE(values.empty());
   std::size_t found = 0;
   for (std::size_t i = 0; i < k.size(); ++i) {
@@ -268,21 +264,20 @@ TEST_CASE("a lattice blob marks the panels beside a level that was left out", "[
 }
 
 TEST_CASE("a lattice blob of glued parts lays them side by side", "[core][blob]") {
-  const auto spec = parse_design_spec(R"({"popcut": 1, "name": "two", "join": "seam", "patches": [
+  const auto spec =
+      testing::value(parse_design_spec(R"({"popcut": 1, "name": "two", "join": "seam", "patches": [
     {"surface": {"type": "revolution", "radius": "40"}, "units_per_slice": 3, "slices": 3,
      "widths_mm": 12, "card": {"wall_mm": 90}},
     {"surface": {"type": "revolution", "radius": "40"}, "units_per_slice": 4, "slices": 3,
-     "widths_mm": 12, "card": {"wall_mm": 110}}]})");
-  REQUIRE(spec);
-  const auto assembly = design_assembly(*spec);
-  REQUIRE(assembly);
-  REQUIRE(assembly->parts.size() == 2);
-  const LatticeReader blob(*lattice_blob(*assembly, {.curvature = true}));
+     "widths_mm": 12, "card": {"wall_mm": 110}}]})"));
+  const auto assembly = testing::value(design_assembly(spec));
+  REQUIRE(assembly.parts.size() == 2);
+  const LatticeReader blob(*lattice_blob(assembly, {.curvature = true}));
   CHECK(blob.head["name"] == "two");
   CHECK(blob.head["card"]["wall_mm"] == 110.0);
-  CHECK(blob.head["card"]["width_mm"] == Approx(assembly->v_mm));
+  CHECK(blob.head["card"]["width_mm"] == Approx(assembly.v_mm));
   CHECK(blob.head["report"]["parts"].size() == 2);
-  const Pattern &a = assembly->parts[0].pattern, &b = assembly->parts[1].pattern;
+  const Pattern &a = assembly.parts[0].pattern, &b = assembly.parts[1].pattern;
   const auto part = blob.numbers("face_part");
   REQUIRE(part.size() == a.faces() + b.faces());
   CHECK(part.front() == 0);

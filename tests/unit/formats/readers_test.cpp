@@ -20,6 +20,7 @@
 #include "core/model/height_grid.hpp"
 #include "tests/support/growth.hpp"
 #include "tests/support/linework_checks.hpp"
+#include "tests/support/value.hpp"
 
 namespace readers_test {
 
@@ -56,14 +57,14 @@ std::string place_of(const std::string& text) {
 }  // namespace
 
 TEST_CASE("path data is read with all its commands", "[core][formats][svg]") {
-  const auto lines = parse_svg_path("M0,0h10v10H0z m20 20 5 0 0 5 M1 1L.5.5-1-1", 0.01, 1000);
-  REQUIRE(lines);
-  REQUIRE(lines->size() == 3);
-  CHECK((*lines)[0].size() == 5);
-  CHECK((*lines)[0].front() == (*lines)[0].back());
-  CHECK((*lines)[1][2] == PagePoint{25, 25});
-  CHECK((*lines)[2][1] == PagePoint{0.5, 0.5});
-  CHECK((*lines)[2][2] == PagePoint{-1, -1});
+  const auto lines =
+      value(parse_svg_path("M0,0h10v10H0z m20 20 5 0 0 5 M1 1L.5.5-1-1", 0.01, 1000));
+  REQUIRE(lines.size() == 3);
+  CHECK(lines[0].size() == 5);
+  CHECK(lines[0].front() == lines[0].back());
+  CHECK(lines[1][2] == PagePoint{25, 25});
+  CHECK(lines[2][1] == PagePoint{0.5, 0.5});
+  CHECK(lines[2][2] == PagePoint{-1, -1});
   for (const char* wrong : {"L1 1", "M", "M1", "M1 1L", "M1 1 x", "M1 1L1,,1", "M1 1A1 1 0 2 0 3 3",
                             "Z", "M1 1Z1 1", "Minf 1", "M1e999 1"}) {
     CAPTURE(wrong);
@@ -74,9 +75,9 @@ TEST_CASE("path data is read with all its commands", "[core][formats][svg]") {
 
 TEST_CASE("curves stay within tolerance of their chords", "[core][formats][svg]") {
   const double r = 50;
-  const auto circle = parse_svg_path("M50 0A50 50 0 0 1 -50 0 50 50 0 01 50,0", 0.02, 100000);
-  REQUIRE(circle);
-  const auto& points = (*circle)[0];
+  const auto circle =
+      value(parse_svg_path("M50 0A50 50 0 0 1 -50 0 50 50 0 01 50,0", 0.02, 100000));
+  const auto& points = circle[0];
   for (std::size_t i = 1; i < points.size(); ++i) {
     const PagePoint middle{(points[i - 1].x + points[i].x) / 2,
                            (points[i - 1].y + points[i].y) / 2};
@@ -100,15 +101,14 @@ TEST_CASE("curves stay within tolerance of their chords", "[core][formats][svg]"
 }
 
 TEST_CASE("transforms are applied from the inside out", "[core][formats][svg]") {
-  const auto t = parse_svg_transform("translate(10,20) rotate(90) scale(2 3)");
-  REQUIRE(t);
-  const PagePoint p = (*t)({1, 1});
+  const auto t = value(parse_svg_transform("translate(10,20) rotate(90) scale(2 3)"));
+  const PagePoint p = t({1, 1});
   CHECK(p.x == Approx(7));
   CHECK(p.y == Approx(22));
   const PagePoint q = (*parse_svg_transform("rotate(90 5 5)"))({6, 5});
   CHECK(q.x == Approx(5));
   CHECK(q.y == Approx(6));
-  CHECK(t->largest_scale() == Approx(3));
+  CHECK(t.largest_scale() == Approx(3));
   CHECK_FALSE(parse_svg_transform("rotate(90"));
   CHECK_FALSE(parse_svg_transform("scale(1 2 3)"));
   CHECK_FALSE(parse_svg_transform("sqew(1)"));
@@ -204,16 +204,15 @@ TEST_CASE("a drawing that cannot be read is refused with line and column", "[cor
 }
 
 TEST_CASE("FOLD vertices are turned onto the page and never mirrored", "[core][formats][fold]") {
-  const auto work = linework_from_fold(R"x({"frame_unit": "cm",
+  const auto work = value(linework_from_fold(R"x({"frame_unit": "cm",
     "vertices_coords": [[0,0],[3,0],[3,1],[0,1],[1,0],[1,1]],
     "edges_vertices": [[0,4],[4,1],[1,2],[2,5],[5,3],[3,0],[4,5]],
-    "edges_assignment": ["B","B","B","B","B","B","M"]})x");
-  REQUIRE(work);
-  CHECK(work->warnings.empty());
-  CHECK(count(*work, Operation::Outline) == 1);
-  CHECK(total_mm(*work, Operation::Outline) == Approx(80));
-  REQUIRE(count(*work, Operation::FoldMountain) == 1);
-  const auto fold = work->points_of(work->lines[0]);
+    "edges_assignment": ["B","B","B","B","B","B","M"]})x"));
+  CHECK(work.warnings.empty());
+  CHECK(count(work, Operation::Outline) == 1);
+  CHECK(total_mm(work, Operation::Outline) == Approx(80));
+  REQUIRE(count(work, Operation::FoldMountain) == 1);
+  const auto fold = work.points_of(work.lines[0]);
   CHECK(fold[0] == PagePoint{0, 10});
   CHECK(fold[1] == PagePoint{10, 10});
 }
@@ -221,33 +220,30 @@ TEST_CASE("FOLD vertices are turned onto the page and never mirrored", "[core][f
 TEST_CASE("two borders on one line become a slit that is cut once", "[core][formats][fold]") {
   // A 4 x 2 sheet with a slit from (1,1) to (3,1): its sides have vertices 6 and 7 of their own and
   // are divided differently.
-  const auto work = linework_from_fold(R"x({"frame_unit": "mm",
+  const auto work = value(linework_from_fold(R"x({"frame_unit": "mm",
     "vertices_coords": [[0,0],[40,0],[40,20],[0,20],[10,10],[30,10],[20,10],[25,10]],
     "edges_vertices": [[0,1],[1,2],[2,3],[3,0],[4,6],[6,5],[4,7],[7,5]],
-    "edges_assignment": ["B","B","B","B","B","B","B","B"]})x");
-  REQUIRE(work);
-  CHECK(total_mm(*work, Operation::Outline) == Approx(120));
-  CHECK(total_mm(*work, Operation::Cut) >= 20.0 - 1e-9);
+    "edges_assignment": ["B","B","B","B","B","B","B","B"]})x"));
+  CHECK(total_mm(work, Operation::Outline) == Approx(120));
+  CHECK(total_mm(work, Operation::Cut) >= 20.0 - 1e-9);
   // A hole is a cut and no outline.
-  const auto hole = linework_from_fold(R"x({"frame_unit": "mm",
+  const auto hole = value(linework_from_fold(R"x({"frame_unit": "mm",
     "vertices_coords": [[0,0],[40,0],[40,20],[0,20],[10,5],[30,5],[30,15],[10,15]],
     "edges_vertices": [[0,1],[1,2],[2,3],[3,0],[4,5],[5,6],[6,7],[7,4]],
-    "edges_assignment": ["B","B","B","B","B","B","B","B"]})x");
-  REQUIRE(hole);
-  CHECK(total_mm(*hole, Operation::Outline) == Approx(120));
-  CHECK(total_mm(*hole, Operation::Cut) == Approx(60));
+    "edges_assignment": ["B","B","B","B","B","B","B","B"]})x"));
+  CHECK(total_mm(hole, Operation::Outline) == Approx(120));
+  CHECK(total_mm(hole, Operation::Cut) == Approx(60));
 }
 
 TEST_CASE("FOLD edges keep their meaning", "[core][formats][fold]") {
-  const auto work = linework_from_fold(
+  const auto work = value(linework_from_fold(
       R"x({"frame_unit": "mm", "vertices_coords": [[0,0],[0,1],[0,3],[0,6],[0,10],[0,15]],
     "edges_vertices": [[0,1],[1,2],[2,3],[3,4],[4,5]],
-    "edges_assignment": ["C","F","U","U",null], "edges_foldAngles": [0,0,-90,null,45]})x");
-  REQUIRE(work);
-  CHECK(total_mm(*work, Operation::Cut) == Approx(1));
-  CHECK(total_mm(*work, Operation::FoldMountain) == Approx(3));
-  CHECK(total_mm(*work, Operation::FoldValley) == Approx(5));
-  CHECK(work->warnings.size() == 3);
+    "edges_assignment": ["C","F","U","U",null], "edges_foldAngles": [0,0,-90,null,45]})x"));
+  CHECK(total_mm(work, Operation::Cut) == Approx(1));
+  CHECK(total_mm(work, Operation::FoldMountain) == Approx(3));
+  CHECK(total_mm(work, Operation::FoldValley) == Approx(5));
+  CHECK(work.warnings.size() == 3);
 }
 
 TEST_CASE("an invalid FOLD file is refused with its place", "[core][formats][fold]") {
@@ -300,9 +296,8 @@ TEST_CASE("sample drawings of other programs are read or refused as expected", "
     CHECK_FALSE(file.error().detail.empty());
     CHECK_FALSE(file.error().place.empty());
   }
-  const auto panels = linework_from_fold(sample("fold/re_panels-6x2-90deg.fold"));
-  REQUIRE(panels);
-  CHECK(count(*panels, Operation::Outline) == 1);
+  const auto panels = value(linework_from_fold(sample("fold/re_panels-6x2-90deg.fold")));
+  CHECK(count(panels, Operation::Outline) == 1);
   for (const char* name : {"os_popupSimple", "os_housePopup", "os_miura-ori", "re_hex-box"}) {
     CAPTURE(name);
     const auto work =

@@ -10,6 +10,7 @@
 #include "core/plan/drawing_transform.hpp"
 #include "core/plan/plan.hpp"
 #include "core/plan/sheet_pieces.hpp"
+#include "tests/support/value.hpp"
 
 namespace drawing_transform_test {
 
@@ -92,11 +93,10 @@ TEST_CASE("the dashes of a scaled fold keep the material's size", "[core][plan]"
   PlanOptions options;
   options.scale = 4;
   const Material paper = *find_material("paper-220");
-  const auto planned = plan(drawing(), *find_machine("cameo3"), paper, options);
-  REQUIRE(planned);
-  CHECK(planned->drawing_transform.xx == 4);
+  const auto planned = testing::value(plan(drawing(), *find_machine("cameo3"), paper, options));
+  CHECK(planned.drawing_transform.xx == 4);
   double longest = 0;
-  const Toolpath& path = planned->sheets.at(0).path;
+  const Toolpath& path = planned.sheets.at(0).path;
   for (const Stroke& stroke : path.strokes)
     if (is_fold(stroke.operation)) {
       const auto points = path.points_of(stroke);
@@ -109,10 +109,9 @@ TEST_CASE("the dashes of a scaled fold keep the material's size", "[core][plan]"
 
 TEST_CASE("copies lie in rows without touching, and no more than fit", "[core][plan]") {
   const LineWork one = drawing();  // 20 x 10 mm
-  const auto places = copies_at(one, 5, {70, 40}, 3);
-  REQUIRE(places);
-  CHECK(*places == std::vector<PagePoint>{{0, 0}, {23, 0}, {46, 0}, {0, 13}, {23, 13}});
-  const LineWork many = copied(one, *places);
+  const auto places = testing::value(copies_at(one, 5, {70, 40}, 3));
+  CHECK(places == std::vector<PagePoint>{{0, 0}, {23, 0}, {46, 0}, {0, 13}, {23, 13}});
+  const LineWork many = copied(one, places);
   CHECK(many.lines.size() == 5 * one.lines.size());
   CHECK(bounds(many).width() == Approx(66));
   CHECK(bounds(many).height() == Approx(23));

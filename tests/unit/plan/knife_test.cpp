@@ -10,6 +10,7 @@
 #include "core/plan/knife/blade.hpp"
 #include "core/plan/plan.hpp"
 #include "tests/support/linework_checks.hpp"
+#include "tests/support/value.hpp"
 
 namespace knife_test {
 
@@ -42,9 +43,7 @@ Material from_table(const std::string& fields) {
   const std::string table = R"({"popcut": 1, "materials": [{"name": "mine", "title": "Mine",
     "like": "paper-220")" + fields +
                             "}]}";
-  const auto made = find_material("mine", {table});
-  REQUIRE(made);
-  return *made;
+  return value(find_material("mine", {table}));
 }
 
 Error refusal(const std::string& fields) {
@@ -64,9 +63,8 @@ TEST_CASE("squares after a small circle keep their full overcut", "[core][plan][
   draw(work, Operation::Cut, {{20, 10}, {30, 10}, {30, 20}, {20, 20}, {20, 10}});
   draw(work, Operation::Cut, {{40, 10}, {50, 10}, {50, 20}, {40, 20}, {40, 10}});
   draw(work, Operation::Cut, {{60, 10}, {70, 15}});
-  const auto done = plan(work, machine("cameo3"), paper(), {});
-  REQUIRE(done);
-  const PlannedSheet& sheet = done->sheets[0];
+  const auto done = value(plan(work, machine("cameo3"), paper(), {}));
+  const PlannedSheet& sheet = done.sheets[0];
   REQUIRE(sheet.sent);
   REQUIRE(sheet.sent->strokes.size() == 4);
   for (std::size_t i = 0; i < 4; ++i) {
@@ -81,7 +79,7 @@ TEST_CASE("squares after a small circle keep their full overcut", "[core][plan][
     CHECK(distance_to_line(sent.back(), drawn) < 1e-9);
     CHECK(sent.front() != sent.back());
   }
-  const auto json = nlohmann::json::parse(plan_json(*done));
+  const auto json = nlohmann::json::parse(plan_json(done));
   CHECK(json["sheets"][0]["overcuts"].size() == 6);
   CHECK(json["sheets"][0]["lead_ins"].empty());
   CHECK(sheet.cut_mm == Approx(length(std::vector<PagePoint>{{60, 10}, {70, 15}}) + 82 +
@@ -146,9 +144,8 @@ TEST_CASE("the axis of a turned blade stays in the area", "[core][plan][knife]")
   for (const bool clip : {false, true}) {
     options.place.clip = clip;
     options.mat = "300.6x200.6";
-    const auto done = plan(work, machine("hpgl-generic"), paper(), options);
-    REQUIRE(done);
-    const PlannedSheet& sheet = done->sheets[0];
+    const auto done = value(plan(work, machine("hpgl-generic"), paper(), options));
+    const PlannedSheet& sheet = done.sheets[0];
     for (const PagePoint& p : sheet.sent_path().points) {
       CHECK(p.x >= -1e-9);
       CHECK(p.y >= -1e-9);
@@ -210,9 +207,8 @@ TEST_CASE("folds are dashed or pressed or half cut as requested", "[core][plan][
   CHECK(plan(work, machine("cameo3"), paper(), options)->sheets[0].path.strokes.size() > 10);
   for (const FoldMode mode : {FoldMode::Score, FoldMode::Light}) {
     options.knife.folds = mode;
-    const auto done = plan(work, machine("cameo3"), paper(), options);
-    REQUIRE(done);
-    const PlannedSheet& sheet = done->sheets[0];
+    const auto done = value(plan(work, machine("cameo3"), paper(), options));
+    const PlannedSheet& sheet = done.sheets[0];
     const Material material = paper();
     const ToolSettings tool = mode == FoldMode::Score ? *material.score : *material.light;
     REQUIRE(sheet.path.strokes.size() == static_cast<std::size_t>(tool.passes) + 1);

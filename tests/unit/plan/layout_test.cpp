@@ -9,6 +9,7 @@
 #include "core/layout/marks.hpp"
 #include "core/layout/nest.hpp"
 #include "core/layout/packing.hpp"
+#include "tests/support/value.hpp"
 
 namespace layout_test {
 
@@ -44,22 +45,20 @@ double glued_from(const Layout& layout, double low, double high) {
 }  // namespace
 
 TEST_CASE("a drawing that fits stays one piece without seams", "[layout]") {
-  const auto layout = lay_out(sheet(100, 50), on(120, 60));
-  REQUIRE(layout);
-  CHECK(layout->pieces.size() == 1);
-  CHECK(layout->seams.empty());
-  CHECK(layout->tabs.empty());
-  CHECK(layout->least_sheets == 1);
-  CHECK(layout->use.paper_mm2 == Approx(100.0 * 50.0));
-  CHECK(layout->use.share() == Approx(100.0 * 50.0 / (120.0 * 50.0)));  // of what the piece reaches
-  CHECK(layout->use.rows_share() == layout->use.share());
+  const auto layout = testing::value(lay_out(sheet(100, 50), on(120, 60)));
+  CHECK(layout.pieces.size() == 1);
+  CHECK(layout.seams.empty());
+  CHECK(layout.tabs.empty());
+  CHECK(layout.least_sheets == 1);
+  CHECK(layout.use.paper_mm2 == Approx(100.0 * 50.0));
+  CHECK(layout.use.share() == Approx(100.0 * 50.0 / (120.0 * 50.0)));  // of what the piece reaches
+  CHECK(layout.use.rows_share() == layout.use.share());
 }
 
 TEST_CASE("a drawing that fits when rotated is rotated and not split", "[layout]") {
-  const auto layout = lay_out(sheet(100, 50), on(60, 120));
-  REQUIRE(layout);
-  REQUIRE(layout->pieces.size() == 1);
-  const Placement& t = layout->pieces[0].transform;
+  const auto layout = testing::value(lay_out(sheet(100, 50), on(60, 120)));
+  REQUIRE(layout.pieces.size() == 1);
+  const Placement& t = layout.pieces[0].transform;
   CHECK(t.xx * t.yy - t.xy * t.yx == 1.0);  // never mirrored
   CHECK(t.xx == 0.0);
 }
@@ -67,15 +66,14 @@ TEST_CASE("a drawing that fits when rotated is rotated and not split", "[layout]
 TEST_CASE("a seam prefers cuts and glues only the rest", "[layout]") {
   LineWork work = sheet(200, 100);
   add(work, Operation::Cut, {{97, 15}, {97, 85}});
-  const auto layout = lay_out(work, on(120, 110));
-  REQUIRE(layout);
-  REQUIRE(layout->pieces.size() == 2);
-  REQUIRE(layout->runs.size() == 1);
-  CHECK(layout->runs[0].vertical);
-  CHECK(layout->runs[0].at == 97.0);
-  CHECK(layout->glue_mm == Approx(30.0));
-  REQUIRE(layout->runs[0].uncut.size() == 2);
-  CHECK(layout->tabs.size() == 2);
+  const auto layout = testing::value(lay_out(work, on(120, 110)));
+  REQUIRE(layout.pieces.size() == 2);
+  REQUIRE(layout.runs.size() == 1);
+  CHECK(layout.runs[0].vertical);
+  CHECK(layout.runs[0].at == 97.0);
+  CHECK(layout.glue_mm == Approx(30.0));
+  REQUIRE(layout.runs[0].uncut.size() == 2);
+  CHECK(layout.tabs.size() == 2);
 }
 
 TEST_CASE("no seam runs along a fold or nearer to it than the narrowest panel", "[layout]") {
@@ -89,20 +87,18 @@ TEST_CASE("no seam runs along a fold or nearer to it than the narrowest panel", 
   REQUIRE_FALSE(refused);
   CHECK(refused.error().kind == ErrorKind::Infeasible);
   options.area_mm = {160, 110};
-  const auto layout = lay_out(work, options);
-  REQUIRE(layout);
-  REQUIRE(layout->runs.size() == 1);
-  CHECK((layout->runs[0].at < 60 || layout->runs[0].at > 140));
+  const auto layout = testing::value(lay_out(work, options));
+  REQUIRE(layout.runs.size() == 1);
+  CHECK((layout.runs[0].at < 60 || layout.runs[0].at > 140));
 }
 
 TEST_CASE("a piece of a drawing without outline gets a closed border", "[layout]") {
   LineWork work;
   add(work, Operation::Cut, {{0, 0}, {200, 0}, {200, 60}, {0, 60}, {0, 0}});
   add(work, Operation::Cut, {{10, 30}, {190, 30}});
-  const auto layout = lay_out(work, on(120, 70));
-  REQUIRE(layout);
-  REQUIRE(layout->pieces.size() == 2);
-  for (const SheetPiece& piece : layout->pieces)
+  const auto layout = testing::value(lay_out(work, on(120, 70)));
+  REQUIRE(layout.pieces.size() == 2);
+  for (const SheetPiece& piece : layout.pieces)
     for (std::uint32_t l = 0; l < piece.first_mark; ++l)
       CHECK(piece.work.lines[l].operation == Operation::Cut);
 }
@@ -110,11 +106,10 @@ TEST_CASE("a piece of a drawing without outline gets a closed border", "[layout]
 TEST_CASE("a fold that a seam crosses splits its tabs", "[layout]") {
   LineWork work = sheet(200, 60);
   add(work, Operation::FoldMountain, {{0, 30}, {200, 30}});
-  const auto layout = lay_out(work, on(120, 70));
-  REQUIRE(layout);
-  REQUIRE(layout->runs.size() == 1);
-  REQUIRE(layout->runs[0].uncut.size() == 2);
-  for (const Tab& tab : layout->tabs) {
+  const auto layout = testing::value(lay_out(work, on(120, 70)));
+  REQUIRE(layout.runs.size() == 1);
+  REQUIRE(layout.runs[0].uncut.size() == 2);
+  for (const Tab& tab : layout.tabs) {
     const auto [low, high] = std::minmax(tab.corners[0].y, tab.corners[3].y);
     CHECK((high < 30 || low > 30));
   }
@@ -130,11 +125,10 @@ TEST_CASE("a stepped seam changes its height only along cuts", "[layout]") {
   }
   LayoutOptions options = on(65, 82);
   options.tabs.depth_mm = 4;
-  const auto layout = lay_out(work, options);
-  REQUIRE(layout);
-  CHECK(layout->pieces.size() == 2);
+  const auto layout = testing::value(lay_out(work, options));
+  CHECK(layout.pieces.size() == 2);
   bool stepped = false;
-  for (const SeamRun& run : layout->runs) {
+  for (const SeamRun& run : layout.runs) {
     if (!run.vertical) continue;
     stepped = true;
     CHECK(run.at == 30.0);
@@ -154,10 +148,9 @@ TEST_CASE("a stepped seam goes where strips beside a line are too narrow for a t
   }
   LayoutOptions options = on(65, 140);
   options.tabs.depth_mm = 4;
-  const auto layout = lay_out(work, options);
-  REQUIRE(layout);
-  REQUIRE(layout->pieces.size() == 2);
-  for (const SeamRun& run : layout->runs) {
+  const auto layout = testing::value(lay_out(work, options));
+  REQUIRE(layout.pieces.size() == 2);
+  for (const SeamRun& run : layout.runs) {
     if (run.vertical || run.from > 0) continue;
     CHECK(run.at > 102.0);
     CHECK(run.at < 112.5);
@@ -172,11 +165,10 @@ TEST_CASE("paper ends at its closed outline and is not glued beyond", "[layout]"
   add(work, Operation::Cut, {{90, 80}, {110, 80}, {110, 100}, {90, 100}, {90, 80}});  // a hole
   LayoutOptions options = on(130, 130);
   options.seams_x = {100};
-  const auto layout = lay_out(work, options);
-  REQUIRE(layout);
-  CHECK(layout->glue_mm == Approx(40.0));
-  CHECK(glued_from(*layout, 80, 100) == Approx(0.0));
-  CHECK(glued_from(*layout, 0, 60) == Approx(0.0));
+  const auto layout = testing::value(lay_out(work, options));
+  CHECK(layout.glue_mm == Approx(40.0));
+  CHECK(glued_from(layout, 80, 100) == Approx(0.0));
+  CHECK(glued_from(layout, 0, 60) == Approx(0.0));
 }
 
 TEST_CASE("a seam has a piece on both of its sides, whatever shape the paper has", "[layout]") {
@@ -216,9 +208,8 @@ TEST_CASE("a requested seam is used or refused with the nearest valid one", "[la
   add(work, Operation::FoldValley, {{70, 0}, {70, 100}});
   LayoutOptions options = on(150, 110);
   options.seams_x = {80};
-  const auto taken = lay_out(work, options);
-  REQUIRE(taken);
-  CHECK(taken->runs[0].at == 80.0);
+  const auto taken = testing::value(lay_out(work, options));
+  CHECK(taken.runs[0].at == 80.0);
   options.seams_x = {70};
   const auto refused = lay_out(work, options);
   REQUIRE_FALSE(refused);
@@ -251,19 +242,17 @@ TEST_CASE("impossible tabs and areas are refused before anything is laid", "[lay
 }
 
 TEST_CASE("a roll takes a long drawing in rows across it", "[layout]") {
-  const auto layout = lay_out(sheet(1000, 500), on(300, 3000));
-  REQUIRE(layout);
-  CHECK(layout->sheets.size() == 1);
-  CHECK(layout->pieces.size() == 2);
+  const auto layout = testing::value(lay_out(sheet(1000, 500), on(300, 3000)));
+  CHECK(layout.sheets.size() == 1);
+  CHECK(layout.pieces.size() == 2);
 }
 
 TEST_CASE("both sides of a seam carry its letter and ticks that meet", "[layout]") {
-  const auto layout = lay_out(sheet(200, 100), on(120, 110));
-  REQUIRE(layout);
-  REQUIRE(layout->pieces.size() == 2);
+  const auto layout = testing::value(lay_out(sheet(200, 100), on(120, 110)));
+  REQUIRE(layout.pieces.size() == 2);
   std::array<std::vector<double>, 2> ticks;
   for (std::size_t i = 0; i < 2; ++i) {
-    const SheetPiece& piece = layout->pieces[i];
+    const SheetPiece& piece = layout.pieces[i];
     REQUIRE(piece.first_mark < piece.work.lines.size());
     for (std::size_t l = piece.first_mark; l < piece.work.lines.size(); ++l) {
       CHECK(piece.work.lines[l].operation == Operation::Draw);
@@ -274,17 +263,16 @@ TEST_CASE("both sides of a seam carry its letter and ticks that meet", "[layout]
     CHECK(ticks[i].size() >= 2);
   }
   CHECK(std::includes(ticks[0].begin(), ticks[0].end(), ticks[1].begin(), ticks[1].begin() + 1));
-  CHECK(layout->seams[0].label == "A");
+  CHECK(layout.seams[0].label == "A");
 }
 
 TEST_CASE("the marks of both seams of a narrow piece have a place each", "[layout]") {
   LayoutOptions options = on(200, 120);
   options.seams_y = {100, 108};
-  const auto layout = lay_out(sheet(150, 208), options);
-  REQUIRE(layout);
-  REQUIRE(layout->pieces.size() == 3);
-  CHECK(layout->warnings.empty());  // each seam has its letter
-  for (const SheetPiece& piece : layout->pieces) {
+  const auto layout = testing::value(lay_out(sheet(150, 208), options));
+  REQUIRE(layout.pieces.size() == 3);
+  CHECK(layout.warnings.empty());  // each seam has its letter
+  for (const SheetPiece& piece : layout.pieces) {
     const Box all = bounds(piece.share);
     const auto line = [&](std::size_t l) { return piece.work.points_of(piece.work.lines[l]); };
     for (std::size_t l = piece.first_mark; l < piece.work.lines.size(); ++l) {
@@ -467,15 +455,14 @@ TEST_CASE("shapes are nested apart from each other, on fewer sheets than their b
 
 TEST_CASE("the assembly names every piece and every seam", "[layout]") {
   const LineWork work = sheet(500, 300);
-  const auto layout = lay_out(work, on(200, 200));
-  REQUIRE(layout);
-  const std::string svg = assembly_svg(*layout, work);
-  for (std::size_t i = 0; i < layout->pieces.size(); ++i)
+  const auto layout = testing::value(lay_out(work, on(200, 200)));
+  const std::string svg = assembly_svg(layout, work);
+  for (std::size_t i = 0; i < layout.pieces.size(); ++i)
     CHECK_THAT(svg, Catch::Contains(">" + std::to_string(i + 1) + "</text>"));
   std::size_t in_steps = 0;
-  for (const auto& step : layout->steps) in_steps += step.size();
-  CHECK(in_steps == layout->seams.size());
-  for (const PieceSeam& seam : layout->seams)
+  for (const auto& step : layout.steps) in_steps += step.size();
+  CHECK(in_steps == layout.seams.size());
+  for (const PieceSeam& seam : layout.seams)
     CHECK_THAT(svg, Catch::Contains(">" + seam.label + "</text>"));
 }
 

@@ -12,6 +12,7 @@
 #include "core/plan/plan.hpp"
 #include "tests/support/linework_checks.hpp"
 #include "tests/support/svg_drafts.hpp"
+#include "tests/support/value.hpp"
 
 namespace pens_test {
 
@@ -27,9 +28,7 @@ LineWork read_with(const std::string& text, const std::vector<std::string>& pens
   SvgReadOptions how;
   how.profile = *find_stroke_profile("popcut");
   how.pens = pens;
-  const auto work = linework_from_svg(text, how);
-  REQUIRE(work);
-  return *work;
+  return value(linework_from_svg(text, how));
 }
 
 /// The pen of each line, in the order of the drawing.
@@ -40,10 +39,9 @@ std::vector<int> pens_of(const LineWork& work) {
 }
 
 Plan planned(LineWork work, std::string_view pens, const PlanOptions& options = {}) {
-  const auto material = with_pens(kPaper, pens);
-  REQUIRE(material);
-  give_pens(work, material->pens);
-  const auto made = plan(std::move(work), kCameo, *material, options);
+  const auto material = value(with_pens(kPaper, pens));
+  give_pens(work, material.pens);
+  const auto made = plan(std::move(work), kCameo, material, options);
   INFO((made ? "" : message(made.error())));
   REQUIRE(made);
   return *made;
@@ -173,10 +171,9 @@ TEST_CASE("pens of operations leave lines of other pens and scored folds alone",
 TEST_CASE("a pen without a line is refused with what the drawing has", "[core][plan][pens]") {
   const auto error = [](const LineWork& work, std::string_view pens) {
     LineWork given = work;
-    const auto material = with_pens(kPaper, pens);
-    REQUIRE(material);
-    give_pens(given, material->pens);
-    const auto checked = check_pens(given, material->pens);
+    const auto material = value(with_pens(kPaper, pens));
+    give_pens(given, material.pens);
+    const auto checked = check_pens(given, material.pens);
     return checked ? std::string("accepted") : message(checked.error());
   };
   const LineWork drawn =

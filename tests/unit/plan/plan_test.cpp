@@ -14,6 +14,7 @@
 #include "core/plan/knife/micro_cut.hpp"
 #include "core/plan/plan.hpp"
 #include "tests/support/linework_checks.hpp"
+#include "tests/support/value.hpp"
 
 namespace plan_test {
 
@@ -173,10 +174,9 @@ TEST_CASE("without a mat the sheet names none", "[core][plan]") {
   const Material paper = *find_material("paper-220");
   CHECK(plan(work, cameo, paper, options)->sheets.at(0).mat.name == "12x12");
   options.mat_free = true;
-  const auto planned = plan(work, cameo, paper, options);
-  REQUIRE(planned);
-  CHECK(planned->sheets.at(0).mat.name.empty());
-  CHECK(planned->sheets.at(0).mat.code == 0);
+  const auto planned = value(plan(work, cameo, paper, options));
+  CHECK(planned.sheets.at(0).mat.name.empty());
+  CHECK(planned.sheets.at(0).mat.code == 0);
 }
 
 TEST_CASE("the depth of an autoblade is set where the machine reports it or a person says so",
@@ -184,9 +184,8 @@ TEST_CASE("the depth of an autoblade is set where the machine reports it or a pe
   const auto seconds = [](const char* name, BladeKind blade) {
     PlanOptions options;
     options.blade = blade;
-    const auto made = plan(card(), *find_machine(name), paper(), options);
-    REQUIRE(made);
-    return made->sheets[0].seconds;
+    const auto made = value(plan(card(), *find_machine(name), paper(), options));
+    return made.sheets[0].seconds;
   };
   // A reset, and 0.45 s for each step above the lowest: captures of a Cameo 3.
   for (const char* name : {"cameo3", "cameo4"}) {
@@ -319,10 +318,9 @@ TEST_CASE("a fold without room for any dash is named, and scored where the machi
   const Dashed dashed = micro_cut(work, paper().dashes);
   REQUIRE(dashed.left_out.size() == 1);
   CHECK(dashed.left_out[0].on.to == Approx(0.6));
-  const auto said = left_out_warning(dashed, paper().dashes, "stay uncut");
-  REQUIRE(said);
-  CHECK(said->message.find("stay uncut") != std::string::npos);
-  CHECK(said->message.find("0.60 mm, at 3.30,4.00 mm") != std::string::npos);
+  const auto said = value(left_out_warning(dashed, paper().dashes, "stay uncut"));
+  CHECK(said.message.find("stay uncut") != std::string::npos);
+  CHECK(said.message.find("0.60 mm, at 3.30,4.00 mm") != std::string::npos);
 
   const auto scored_strokes = [&](const PlannedSheet& sheet) {
     return std::count_if(sheet.path.strokes.begin(), sheet.path.strokes.end(), [&](const auto& s) {
@@ -330,20 +328,18 @@ TEST_CASE("a fold without room for any dash is named, and scored where the machi
              length(sheet.path.points_of(s)) == Approx(0.6);
     });
   };
-  const auto cut = plan(work, cameo3(), paper(), {});
-  REQUIRE(cut);
-  CHECK(scored_strokes(cut->sheets[0]) == 1);
-  CHECK(cut->sheets[0].scored.size() == 1);
-  REQUIRE(cut->warnings.size() == 1);
-  CHECK(cut->warnings[0].message.find("cut half through") != std::string::npos);
+  const auto cut = value(plan(work, cameo3(), paper(), {}));
+  CHECK(scored_strokes(cut.sheets[0]) == 1);
+  CHECK(cut.sheets[0].scored.size() == 1);
+  REQUIRE(cut.warnings.size() == 1);
+  CHECK(cut.warnings[0].message.find("cut half through") != std::string::npos);
   // A machine without settings of force and with one holder can only leave it out.
   Machine plain = cameo3();
   plain.force_gf.per_step = 0.0;
   plain.tool_holders = 1;
-  const auto left = plan(work, plain, paper(), {});
-  REQUIRE(left);
-  CHECK(left->sheets[0].scored.size() == 0);
-  CHECK(left->warnings[0].message.find("stay uncut") != std::string::npos);
+  const auto left = value(plan(work, plain, paper(), {}));
+  CHECK(left.sheets[0].scored.size() == 0);
+  CHECK(left.warnings[0].message.find("stay uncut") != std::string::npos);
 }
 
 TEST_CASE("folds come before cuts and inner cuts before outer ones and the outline last",
@@ -351,9 +347,8 @@ TEST_CASE("folds come before cuts and inner cuts before outer ones and the outli
   LineWork work = card();
   draw(work, Operation::Cut, {{40, 100}, {60, 100}, {60, 115}, {40, 115}, {40, 100}});
   draw(work, Operation::Cut, {{45, 105}, {55, 105}, {55, 110}, {45, 110}, {45, 105}});
-  const auto plan_of = plan(work, cameo3(), paper(), {});
-  REQUIRE(plan_of);
-  const Toolpath& path = plan_of->sheets[0].path;
+  const auto plan_of = value(plan(work, cameo3(), paper(), {}));
+  const Toolpath& path = plan_of.sheets[0].path;
   int stage = 0;
   double last_loop = 0.0;
   for (const Stroke& stroke : path.strokes) {
@@ -387,14 +382,13 @@ TEST_CASE("a pattern too large for the mat is refused with both sizes or split",
   REQUIRE_FALSE(longer);
   CHECK(longer.error().detail.find("`mat` 12x24") != std::string::npos);
   // Where it may be split it is, and the mat that would hold it whole is named.
-  const auto split = plan(work, cameo3(), paper(), {});
-  REQUIRE(split);
-  REQUIRE(split->layout);
-  CHECK(split->layout->pieces.size() == 2);
+  const auto split = value(plan(work, cameo3(), paper(), {}));
+  REQUIRE(split.layout);
+  CHECK(split.layout->pieces.size() == 2);
   const auto names = [](const Warning& w) {
     return w.message.find("`mat` 12x24") != std::string::npos;
   };
-  CHECK(std::any_of(split->warnings.begin(), split->warnings.end(), names));
+  CHECK(std::any_of(split.warnings.begin(), split.warnings.end(), names));
   CHECK(plan(work, cameo3(), paper(), {.mat = "12x24"}));
 }
 
@@ -404,9 +398,8 @@ TEST_CASE("clipping cuts each segment exactly at the border", "[core][plan][shee
   draw(work, Operation::Cut, {{10, 10}, {350, 10}, {350, 50}, {10, 50}});
   PlanOptions options;
   options.place.clip = true;
-  const auto done = plan(work, cameo3(), paper(), options);
-  REQUIRE(done);
-  const PlannedSheet& sheet = done->sheets[0];
+  const auto done = value(plan(work, cameo3(), paper(), options));
+  const PlannedSheet& sheet = done.sheets[0];
   CHECK(sheet.cut_mm == Approx(2 * 294.8));
   REQUIRE(sheet.path.strokes.size() == 2);
   for (const PagePoint& p : sheet.path.points) {
@@ -429,10 +422,9 @@ TEST_CASE("a clipped closed line continues through its start point", "[core][pla
 TEST_CASE("a drawing is placed as requested", "[core][plan][sheet]") {
   PlanOptions options;
   options.place.at = PagePoint{20, 30};
-  const auto done = plan(card(), cameo3(), paper(), options);
-  REQUIRE(done);
-  CHECK(done->sheets[0].transform.x0 == 20.0);
-  CHECK(done->sheets[0].transform.y0 == 30.0);
+  const auto done = value(plan(card(), cameo3(), paper(), options));
+  CHECK(done.sheets[0].transform.x0 == 20.0);
+  CHECK(done.sheets[0].transform.y0 == 30.0);
   options.place.at = PagePoint{220, 30};
   const auto over = plan(card(), cameo3(), paper(), options);
   REQUIRE_FALSE(over);
@@ -468,10 +460,9 @@ TEST_CASE("a mat can be named as a paper", "[core][plan][sheet]") {
                 {"letter-landscape", 279.4, 215.9}};
   for (const auto& paper : papers) {
     CAPTURE(paper.word);
-    const auto size = parse_size_mm(paper.word);
-    REQUIRE(size);
-    CHECK((*size)[0] == Approx(paper.width_mm));
-    CHECK((*size)[1] == Approx(paper.length_mm));
+    const auto size = value(parse_size_mm(paper.word));
+    CHECK(size[0] == Approx(paper.width_mm));
+    CHECK(size[1] == Approx(paper.length_mm));
   }
   CHECK((*parse_size_mm("12x12"))[0] == 12.0);  // a size, as it always was
   CHECK_FALSE(parse_size_mm("-landscape"));
@@ -526,10 +517,9 @@ TEST_CASE("values beyond a machine are adjusted with a warning", "[core][plan]")
   Material strong = paper();
   strong.cut.force_gf = 500;
   strong.cut.tool = 2;
-  const auto done = plan(card(), *find_machine("portrait3"), strong, {});
-  REQUIRE(done);
-  CHECK(done->warnings.size() == 2);
-  for (const Stroke& stroke : done->sheets[0].path.strokes) {
+  const auto done = value(plan(card(), *find_machine("portrait3"), strong, {}));
+  CHECK(done.warnings.size() == 2);
+  for (const Stroke& stroke : done.sheets[0].path.strokes) {
     CHECK(stroke.force_gf <= 231.0);
     CHECK(stroke.tool == 1);
   }
@@ -541,9 +531,8 @@ TEST_CASE("a second pass returns along an open cut and goes round a closed one",
   draw(work, Operation::Outline, {{0, 0}, {50, 0}, {50, 50}, {0, 50}, {0, 0}});
   Material twice = paper();
   twice.cut.passes = 2;
-  const auto done = plan(work, cameo3(), twice, {});
-  REQUIRE(done);
-  const PlannedSheet& sheet = done->sheets[0];
+  const auto done = value(plan(work, cameo3(), twice, {}));
+  const PlannedSheet& sheet = done.sheets[0];
   CHECK(sheet.cut_mm == Approx(2 * (10 + 200) + 1.0));  // the outline's overcut at both ends
   CHECK(sheet.path.strokes.size() == 3);
   const auto go = sheet.path.points_of(sheet.path.strokes[0]);
@@ -563,9 +552,8 @@ TEST_CASE("an empty drawing and one without end are refused", "[core][plan]") {
 }
 
 TEST_CASE("plan.json has the fields of the manual and adds up", "[core][plan]") {
-  const auto done = plan(card(), cameo3(), paper(), {});
-  REQUIRE(done);
-  const auto json = nlohmann::json::parse(plan_json(*done));
+  const auto done = value(plan(card(), cameo3(), paper(), {}));
+  const auto json = nlohmann::json::parse(plan_json(done));
   REQUIRE(json["sheets"].size() == 1);
   const auto& sheet = json["sheets"][0];
   for (const char* field :
@@ -588,30 +576,26 @@ TEST_CASE("plan.json has the fields of the manual and adds up", "[core][plan]") 
 }
 
 TEST_CASE("the sheet's picture can be read back stroke by stroke", "[core][plan]") {
-  const auto done = plan(card(), cameo3(), paper(), {});
-  REQUIRE(done);
-  const PlannedSheet& sheet = done->sheets[0];
-  const auto back = linework_from_svg(sheet_svg(sheet, "a < b & c"), SvgProfile::Popcut);
-  REQUIRE(back);
-  CHECK(back->name == "a < b & c");
-  CHECK(back->warnings.empty());
-  CHECK(back->dashed);
-  CHECK(back->lines.size() == sheet.path.strokes.size());
-  CHECK(total_mm(*back, Operation::FoldMountain) + total_mm(*back, Operation::FoldValley) ==
+  const auto done = value(plan(card(), cameo3(), paper(), {}));
+  const PlannedSheet& sheet = done.sheets[0];
+  const auto back = value(linework_from_svg(sheet_svg(sheet, "a < b & c"), SvgProfile::Popcut));
+  CHECK(back.name == "a < b & c");
+  CHECK(back.warnings.empty());
+  CHECK(back.dashed);
+  CHECK(back.lines.size() == sheet.path.strokes.size());
+  CHECK(total_mm(back, Operation::FoldMountain) + total_mm(back, Operation::FoldValley) ==
         Approx(sheet.fold_mm));
-  CHECK(total_mm(*back, Operation::Cut) + total_mm(*back, Operation::Outline) ==
+  CHECK(total_mm(back, Operation::Cut) + total_mm(back, Operation::Outline) ==
         Approx(sheet.cut_mm - 1.0));
-  const auto again = plan(*back, cameo3(), paper(), {});
-  REQUIRE(again);
-  CHECK(again->sheets[0].fold_mm == Approx(sheet.fold_mm));
-  CHECK(linework_from_svg(assembly_svg(*done), SvgProfile::Plain));
+  const auto again = value(plan(back, cameo3(), paper(), {}));
+  CHECK(again.sheets[0].fold_mm == Approx(sheet.fold_mm));
+  CHECK(linework_from_svg(assembly_svg(done), SvgProfile::Plain));
 }
 
 TEST_CASE("the used length of a roll is that of the drawing", "[core][plan][sheet]") {
-  const auto done = plan(card(), *find_machine("hpgl-generic"), paper(), {});
-  REQUIRE(done);
-  CHECK(done->sheets[0].area_mm[0] == 600.0);
-  CHECK(done->sheets[0].area_mm[1] == 140.0);
+  const auto done = value(plan(card(), *find_machine("hpgl-generic"), paper(), {}));
+  CHECK(done.sheets[0].area_mm[0] == 600.0);
+  CHECK(done.sheets[0].area_mm[1] == 140.0);
 }
 
 TEST_CASE("each plan option takes its default and its limits and nothing beyond",
@@ -638,9 +622,8 @@ TEST_CASE("each plan option takes its default and its limits and nothing beyond"
     CHECK(place_of("nan") == pointer_to(option));
     const std::vector<double> usual = option.numbers(PlanOptions{});
     if (usual.empty()) continue;
-    const auto read = read_plan_options({{name, option.usual}});
-    REQUIRE(read);
-    CHECK(option.numbers(*read) == usual);
+    const auto read = value(read_plan_options({{name, option.usual}}));
+    CHECK(option.numbers(read) == usual);
   }
   CHECK(read_plan_options({{"machine", "cameo3"}}).error().place == "/options/machine");
   CHECK(read_plan_options({{"split", "false"}})->no_split);
@@ -667,13 +650,12 @@ TEST_CASE("cells get smaller only where many lines lie side by side", "[core][pl
 }
 
 TEST_CASE("travel is told in millimetres and in the machine's seconds", "[core][plan]") {
-  const auto made = plan(card(), cameo3(), paper(), {});
-  REQUIRE(made);
-  const PlannedSheet& sheet = made->sheets[0];
+  const auto made = value(plan(card(), cameo3(), paper(), {}));
+  const PlannedSheet& sheet = made.sheets[0];
   const Motion motion = cameo3().motion;
   CHECK(sheet.travel_s > sheet.travel_mm / motion.travel_mm_s);  // it speeds up and brakes
   CHECK(sheet.travel_s < sheet.seconds);
-  const auto json = nlohmann::json::parse(plan_json(*made));
+  const auto json = nlohmann::json::parse(plan_json(made));
   CHECK(json["sheets"][0]["travel_s"].get<double>() == Approx(sheet.travel_s).margin(1e-3));
 }
 

@@ -8,6 +8,7 @@
 #include "core/plan/pens.hpp"
 #include "core/text/near_names.hpp"
 #include "core/text/words.hpp"
+#include "tests/support/value.hpp"
 
 namespace tables_test {
 
@@ -18,10 +19,9 @@ TEST_CASE("the built-in tables have every documented machine and material",
   for (const char* name : {"cameo", "cameo2", "cameo3", "cameo4", "cameo5", "portrait", "portrait2",
                            "portrait3", "portrait4", "curio", "hpgl-generic"}) {
     CAPTURE(name);
-    const auto machine = find_machine(name);
-    REQUIRE(machine);
-    CHECK(machine->name == name);
-    CHECK(machine->motion.accel_mm_s2 > 0.0);
+    const auto machine = testing::value(find_machine(name));
+    CHECK(machine.name == name);
+    CHECK(machine.motion.accel_mm_s2 > 0.0);
   }
   for (const char* name : {"paper-220", "paper-160", "pp-150", "vinyl"}) {
     CAPTURE(name);
@@ -34,31 +34,28 @@ TEST_CASE("the built-in tables have every documented machine and material",
 }
 
 TEST_CASE("the Cameo 3's row matches its recordings", "[core][plan][tables]") {
-  const auto machine = find_machine("cameo3");
-  REQUIRE(machine);
-  CHECK(machine->identity == "CAMEO 3 V1.60    ");
-  CHECK(machine->unit_mm == 0.05);
-  CHECK(machine->tool_holders == 2);
-  CHECK(machine->autoblade);
-  CHECK(machine->usb_vendor == 0x0b4d);
-  CHECK(machine->usb_product == 0x112f);
-  CHECK(machine->force_gf.max_step * machine->force_gf.per_step == 231.0);
-  REQUIRE(machine->mats.size() >= 2);
-  CHECK(machine->mats[0].width_mm == 304.8);
-  CHECK(machine->mats[0].length_mm == 304.8);
-  CHECK(machine->mats[1].length_mm == 609.6);
-  const auto portrait = find_machine("portrait3");
-  REQUIRE(portrait);
-  CHECK(portrait->variant == "cameo4");
-  CHECK(portrait->tool_holders == 1);
+  const auto machine = testing::value(find_machine("cameo3"));
+  CHECK(machine.identity == "CAMEO 3 V1.60    ");
+  CHECK(machine.unit_mm == 0.05);
+  CHECK(machine.tool_holders == 2);
+  CHECK(machine.autoblade);
+  CHECK(machine.usb_vendor == 0x0b4d);
+  CHECK(machine.usb_product == 0x112f);
+  CHECK(machine.force_gf.max_step * machine.force_gf.per_step == 231.0);
+  REQUIRE(machine.mats.size() >= 2);
+  CHECK(machine.mats[0].width_mm == 304.8);
+  CHECK(machine.mats[0].length_mm == 304.8);
+  CHECK(machine.mats[1].length_mm == 609.6);
+  const auto portrait = testing::value(find_machine("portrait3"));
+  CHECK(portrait.variant == "cameo4");
+  CHECK(portrait.tool_holders == 1);
 }
 
 TEST_CASE("no two built-in machines share a name or a USB id", "[core][plan][tables]") {
-  const auto machines = all_machines();
-  REQUIRE(machines);
+  const auto machines = testing::value(all_machines());
   std::set<std::string> names;
   std::set<std::pair<int, int>> ids;
-  for (const Machine& machine : *machines) {
+  for (const Machine& machine : machines) {
     CAPTURE(machine.name);
     CHECK(names.insert(machine.name).second);
     if (machine.usb_vendor != 0)
@@ -71,10 +68,9 @@ TEST_CASE("a user's row replaces a built-in one and can extend another", "[core]
   const std::string table = R"({"popcut": 1,
     "machines": [{"name": "workshop", "like": "cameo3", "title": "Ours", "length_mm": 6000}],
     "materials": [{"name": "paper-220", "like": "paper-220", "autoblade_depth": 7}]})";
-  const auto machine = find_machine("workshop", {table});
-  REQUIRE(machine);
-  CHECK(machine->length_mm == 6000.0);
-  CHECK(machine->unit_mm == 0.05);
+  const auto machine = testing::value(find_machine("workshop", {table}));
+  CHECK(machine.length_mm == 6000.0);
+  CHECK(machine.unit_mm == 0.05);
   CHECK(find_material("paper-220", {table})->autoblade_depth == 7);
   CHECK(find_material("paper-220")->autoblade_depth == 5);
   CHECK(all_materials({table})->size() == all_materials()->size());
@@ -113,11 +109,10 @@ TEST_CASE("a number has one sign at most", "[core][plan][tables]") {
 }
 
 TEST_CASE("an object of a row replaces only what it names", "[core][machines]") {
-  const auto found = find_machine(
-      "a", {R"({"popcut":1,"machines":[{"name":"a","like":"cameo3","motion":{"spread":0.3}}]})"});
-  REQUIRE(found);
-  CHECK(found->motion.spread == 0.3);
-  CHECK(found->motion.travel_mm_s == find_machine("cameo3")->motion.travel_mm_s);
+  const auto found = testing::value(find_machine(
+      "a", {R"({"popcut":1,"machines":[{"name":"a","like":"cameo3","motion":{"spread":0.3}}]})"}));
+  CHECK(found.motion.spread == 0.3);
+  CHECK(found.motion.travel_mm_s == find_machine("cameo3")->motion.travel_mm_s);
 }
 
 TEST_CASE("an invalid user's table is refused with its place", "[core][plan][tables]") {
@@ -149,9 +144,8 @@ TEST_CASE("a user's HPGL machine names its habits as words joined by plus signs"
       "like": "hpgl-generic", "variant": ")j" +
                                  variant + R"j("}]})j"});
   };
-  const auto clone = with("pa+newline+plain");
-  REQUIRE(clone);
-  CHECK(clone->variant == "pa+newline+plain");
+  const auto clone = testing::value(with("pa+newline+plain"));
+  CHECK(clone.variant == "pa+newline+plain");
   for (const char* wrong : {"cameo3", "pa+", "", "+pa", "pa newline"}) {
     CAPTURE(wrong);
     const auto refused = with(wrong);
@@ -159,23 +153,22 @@ TEST_CASE("a user's HPGL machine names its habits as words joined by plus signs"
     CHECK_THAT(refused.error().place, Catch::Contains("/machines/0/variant"));
     CHECK_THAT(refused.error().detail, Catch::Contains("camm2 (join several with +)"));
   }
-  const auto machines = all_machines();
-  REQUIRE(machines);
-  CHECK(std::count_if(machines->begin(), machines->end(),
+  const auto machines = testing::value(all_machines());
+  CHECK(std::count_if(machines.begin(), machines.end(),
                       [](const Machine& m) { return m.language == "hpgl"; }) >= 6);
 }
 
 TEST_CASE("a job's own settings replace the material's and wrong ones are named", "[core][plan]") {
   const Material paper = *find_material("paper-220");
-  const auto changed = with_pens(paper, " cut: force=90 passes=2 step=7 ;fold: speed=20 tool=2;");
-  REQUIRE(changed);
-  CHECK(changed->cut.force_gf == 90);
-  CHECK(changed->cut.passes == 2);
-  CHECK(changed->cut.force_step_gf == 7);
-  CHECK(changed->cut.speed_mm_s == paper.cut.speed_mm_s);
-  CHECK(changed->fold.speed_mm_s == 20);
-  CHECK(changed->fold.tool == 2);
-  CHECK(changed->draw.force_gf == paper.draw.force_gf);
+  const auto changed =
+      testing::value(with_pens(paper, " cut: force=90 passes=2 step=7 ;fold: speed=20 tool=2;"));
+  CHECK(changed.cut.force_gf == 90);
+  CHECK(changed.cut.passes == 2);
+  CHECK(changed.cut.force_step_gf == 7);
+  CHECK(changed.cut.speed_mm_s == paper.cut.speed_mm_s);
+  CHECK(changed.fold.speed_mm_s == 20);
+  CHECK(changed.fold.tool == 2);
+  CHECK(changed.draw.force_gf == paper.draw.force_gf);
   CHECK(with_pens(paper, "")->cut.force_gf == paper.cut.force_gf);
   const auto error = [&](std::string_view pens) {
     const auto made = with_pens(paper, pens);

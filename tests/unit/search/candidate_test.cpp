@@ -17,6 +17,7 @@
 #include "core/search/seen_share.hpp"
 #include "core/search/standing.hpp"
 #include "tests/support/meshes.hpp"
+#include "tests/support/value.hpp"
 
 namespace candidate_test {
 
@@ -149,9 +150,8 @@ TEST_CASE("a side that is said to be in front faces away from the wall", "[searc
 
 TEST_CASE("a mesh as binary STL is the same mesh, and a coarse one is near to it", "[search]") {
   const TriangleMesh ball = icosphere(30.0, 5);
-  const auto again = read_mesh("ball.stl", stl_bytes(ball));
-  REQUIRE(again);
-  CHECK(again->corners == ball.corners);
+  const auto again = value(read_mesh("ball.stl", stl_bytes(ball)));
+  CHECK(again.corners == ball.corners);
   CHECK(coarse_mesh(ball, 64, ball.size()).corners == ball.corners);
   const TriangleMesh coarse = coarse_mesh(ball, 24, 1000);
   CHECK(coarse.size() < ball.size() / 3);

@@ -15,6 +15,7 @@
 #include "core/verify/verify.hpp"
 #include "tests/support/fold_draft.hpp"
 #include "tests/support/paths.hpp"
+#include "tests/support/value.hpp"
 #include "tests/support/verify_drafts.hpp"
 
 namespace verify_drawing_test {
@@ -198,18 +199,16 @@ TEST_CASE("drawings of other programs have the known numbers of panels", "[core]
     std::ifstream in(kSamples / known.name);
     std::ostringstream text;
     text << in.rdbuf();
-    const auto work = linework_from_svg(text.str(), SvgProfile::OrigamiSim);
-    REQUIRE(work);
+    const auto work = value(linework_from_svg(text.str(), SvgProfile::OrigamiSim));
     VerifyOptions options;
     options.page = true;
-    const auto report = verify_fold(fold_from_linework(*work), options);
-    REQUIRE(report);
-    INFO(verify_text(*report));
-    CHECK(report->faces == known.panels);
-    CHECK(report->pieces == 1);
-    CHECK(report->ok());
-    CHECK(report->crossing_method.empty() != known.judged);
-    CHECK(report->opening->reached_psi_rad == Approx(1.1));
+    const auto report = value(verify_fold(fold_from_linework(work), options));
+    INFO(verify_text(report));
+    CHECK(report.faces == known.panels);
+    CHECK(report.pieces == 1);
+    CHECK(report.ok());
+    CHECK(report.crossing_method.empty() != known.judged);
+    CHECK(report.opening->reached_psi_rad == Approx(1.1));
   }
 }
 

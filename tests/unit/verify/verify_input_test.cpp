@@ -11,6 +11,7 @@
 #include "core/verify/verify.hpp"
 #include "tests/support/fold_draft.hpp"
 #include "tests/support/paths.hpp"
+#include "tests/support/value.hpp"
 
 namespace verify_input_test {
 
@@ -142,10 +143,9 @@ TEST_CASE("null fold angles and null assignments are ignored", "[core][verify]")
       replaced(box_card().text(), "\"edges_foldAngle\":[0", "\"edges_foldAngle\":[null");
   CHECK(verify_fold(text)->ok());
   text = replaced(text, "\"V\"", "null");
-  const auto report = verify_fold(text, {.degrees_of_freedom = 1});
-  REQUIRE(report);
-  INFO(verify_text(*report));
-  CHECK(report->ok());
+  const auto report = value(verify_fold(text, {.degrees_of_freedom = 1}));
+  INFO(verify_text(report));
+  CHECK(report.ok());
 }
 
 TEST_CASE("assignments in lower case are read", "[core][verify]") {
@@ -153,18 +153,16 @@ TEST_CASE("assignments in lower case are read", "[core][verify]") {
   for (const char letter : {'B', 'M', 'V'})
     for (const std::string capital{'"', letter, '"'}; text.find(capital) != text.npos;)
       text[text.find(capital) + 1] = static_cast<char>(letter - 'A' + 'a');
-  const auto report = verify_fold(text, {.degrees_of_freedom = 1});
-  REQUIRE(report);
-  CHECK(report->ok());
+  const auto report = value(verify_fold(text, {.degrees_of_freedom = 1}));
+  CHECK(report.ok());
 }
 
 TEST_CASE("the old name of fold angles and other units are understood", "[core][verify]") {
   std::string text = replaced(box_card().text(), "\"edges_foldAngle\":", "\"edges_foldAngles\":");
   text = replaced(text, "\"frame_unit\":\"mm\"", "\"frame_unit\":\"cm\"");
-  const auto report = verify_fold(text, {.degrees_of_freedom = 1});
-  REQUIRE(report);
-  CHECK(report->ok());
-  CHECK(report->sheet_u_mm == Approx(800.0));
+  const auto report = value(verify_fold(text, {.degrees_of_freedom = 1}));
+  CHECK(report.ok());
+  CHECK(report.sheet_u_mm == Approx(800.0));
 }
 
 TEST_CASE("a folded form in the key frame is taken as a pose of the flat frame", "[core][verify]") {
@@ -184,12 +182,11 @@ TEST_CASE("a folded form in the key frame is taken as a pose of the flat frame",
   swapped.replace(last, 10, "creasePattern");
   const std::size_t first = swapped.find("creasePattern");
   swapped.replace(first, 13, "foldedForm");
-  const auto report = verify_fold(swapped);
-  REQUIRE(report);
-  INFO(verify_text(*report));
-  CHECK(report->degrees_of_freedom == 1U);
-  REQUIRE_FALSE(report->notes.empty());
-  CHECK(has(report->notes.front(),
+  const auto report = value(verify_fold(swapped));
+  INFO(verify_text(report));
+  CHECK(report.degrees_of_freedom == 1U);
+  REQUIRE_FALSE(report.notes.empty());
+  CHECK(has(report.notes.front(),
             "the key frame is a folded form; the flat sheet is /file_frames/2"));
 }
 
@@ -203,27 +200,24 @@ TEST_CASE("sample files of other programs are read or refused as expected", "[co
   CHECK(has(refused(sample("re_no-faces.fold")), "folded form"));
   CHECK(has(refused(sample("re_invalid-key-names.fold")), "/vertices_coords: missing"));
   CHECK(has(refused(sample("re_invalid-mismatch-length.fold")), "/edges_assignment"));
-  const auto diagonal = verify_fold(sample("fold_diagonal-cp.fold"));
-  REQUIRE(diagonal);
-  CHECK(diagonal->ok());
-  CHECK(diagonal->degrees_of_freedom == 1U);
+  const auto diagonal = value(verify_fold(sample("fold_diagonal-cp.fold")));
+  CHECK(diagonal.ok());
+  CHECK(diagonal.degrees_of_freedom == 1U);
   // A square twist that paper folds only by bending: no rigid motion has these assignments.
-  const auto windmill = verify_fold(sample("re_windmill.fold"));
-  REQUIRE(windmill);
-  INFO(verify_text(*windmill));
-  CHECK(windmill->faces == 9);
-  CHECK_FALSE(windmill->ok());
-  CHECK(has(verify_text(*windmill), "wrong branch"));
-  const auto panels = verify_fold(sample("re_panels-6x2-90deg.fold"));
-  REQUIRE(panels);
-  INFO(verify_text(*panels));
-  CHECK(panels->faces == 12);
-  CHECK(panels->edges == 32);
-  CHECK(panels->vertices == 21);
-  CHECK(panels->pieces == 1);
-  CHECK(panels->isometry_mm < 1e-12);
-  CHECK(panels->fold_angle_deg < 1e-9);
-  CHECK(panels->ok());
+  const auto windmill = value(verify_fold(sample("re_windmill.fold")));
+  INFO(verify_text(windmill));
+  CHECK(windmill.faces == 9);
+  CHECK_FALSE(windmill.ok());
+  CHECK(has(verify_text(windmill), "wrong branch"));
+  const auto panels = value(verify_fold(sample("re_panels-6x2-90deg.fold")));
+  INFO(verify_text(panels));
+  CHECK(panels.faces == 12);
+  CHECK(panels.edges == 32);
+  CHECK(panels.vertices == 21);
+  CHECK(panels.pieces == 1);
+  CHECK(panels.isometry_mm < 1e-12);
+  CHECK(panels.fold_angle_deg < 1e-9);
+  CHECK(panels.ok());
 }
 
 }  // namespace verify_input_test

@@ -12,6 +12,7 @@
 #include "core/verify/motion/sweep.hpp"
 #include "core/verify/verify.hpp"
 #include "tests/support/fold_draft.hpp"
+#include "tests/support/value.hpp"
 #include "tests/support/verify_drafts.hpp"
 
 namespace verify_opening_test {
@@ -63,19 +64,18 @@ TEST_CASE("a flat pattern opens to its designed poses", "[core][verify]") {
     for (const bool angles : {true, false}) {
       CAPTURE(k, angles);
       const auto known = verify::read_fold_model(drafts[k].text());
-      auto file = verify::read_fold_model(without_poses(drafts[k], angles).text());
-      REQUIRE(file);
+      auto file = value(verify::read_fold_model(without_poses(drafts[k], angles).text()));
       VerifyCheck check;
-      const verify::Sheet sheet = make_sheet(*file, check);
+      const verify::Sheet sheet = make_sheet(file, check);
       const double psi[] = {kPi / 2.0, 1.1};
-      const verify::Trajectory opening = open_sheet(*file, sheet, psi, 1e-9);
+      const verify::Trajectory opening = open_sheet(file, sheet, psi, 1e-9);
       INFO(opening.stopped);
       REQUIRE(opening.poses.size() == 2);
       CHECK(opening.gap_mm < 1e-11);
       for (const verify::Pose& pose : known->poses) {
         for (const verify::Pose& opened : opening.poses) {
           if (std::abs(*opened.psi_rad - *pose.psi_rad) > 1e-9) continue;
-          CHECK(largest_difference(*file, sheet, opened, pose) < 1e-9);
+          CHECK(largest_difference(file, sheet, opened, pose) < 1e-9);
         }
       }
     }
@@ -264,23 +264,21 @@ TEST_CASE("a crossing is found between and beyond the poses that a file shows", 
 }
 
 TEST_CASE("the motion of a splayed card equals the closed form in every pose", "[core][verify]") {
-  const auto file = verify::read_fold_model(splayed_card(1.4, 2.5).text());
-  REQUIRE(file);
+  const auto file = value(verify::read_fold_model(splayed_card(1.4, 2.5).text()));
   VerifyCheck check;
-  const verify::Sheet sheet = make_sheet(*file, check);
-  const auto pose = std::find_if(file->poses.begin(), file->poses.end(),
+  const verify::Sheet sheet = make_sheet(file, check);
+  const auto pose = std::find_if(file.poses.begin(), file.poses.end(),
                                  [](const verify::Pose& p) { return p.psi_rad.has_value(); });
-  REQUIRE(pose != file->poses.end());
-  const verify::Panels panels = make_panels(*file, sheet);
+  REQUIRE(pose != file.poses.end());
+  const verify::Panels panels = make_panels(file, sheet);
   const verify::Sweep sweep =
-      sweep_motion(*file, sheet, measure(*file, sheet, panels, *pose), kPi / 60.0, 1e-9);
+      sweep_motion(file, sheet, measure(file, sheet, panels, *pose), kPi / 60.0, 1e-9);
   CHECK(sweep.stopped.empty());
   CHECK(sweep.poses.size() >= 60);
   for (const verify::Pose& moved : sweep.poses) {
-    const auto known = verify::read_fold_model(splayed_card(1.4, *moved.psi_rad).text());
-    REQUIRE(known);
+    const auto known = value(verify::read_fold_model(splayed_card(1.4, *moved.psi_rad).text()));
     CAPTURE(*moved.psi_rad);
-    CHECK(largest_difference(*file, sheet, moved, known->poses.back()) < 1e-9);
+    CHECK(largest_difference(file, sheet, moved, known.poses.back()) < 1e-9);
   }
 }
 

@@ -7,6 +7,7 @@
 
 #include "core/verify/verify.hpp"
 #include "tests/support/fold_draft.hpp"
+#include "tests/support/value.hpp"
 #include "tests/support/verify_drafts.hpp"
 
 namespace verify_sheet_test {
@@ -155,12 +156,11 @@ TEST_CASE("a cut may make a notch into one face", "[core][verify]") {
   for (const bool faces_given : {true, false}) {
     CAPTURE(faces_given);
     if (!faces_given) draft.faces.clear();
-    const auto report = verify_fold(draft.text());
-    REQUIRE(report);
-    INFO(verify_text(*report));
-    CHECK(report->ok());
-    CHECK(report->faces == 2);
-    CHECK(report->area_mm2 == Approx(200.0));
+    const auto report = value(verify_fold(draft.text()));
+    INFO(verify_text(report));
+    CHECK(report.ok());
+    CHECK(report.faces == 2);
+    CHECK(report.area_mm2 == Approx(200.0));
   }
 }
 
@@ -198,11 +198,10 @@ TEST_CASE("a border that is called unassigned is named or noted", "[core][verify
     CHECK(has(failures(report, "faces"), "unassigned edge has only one face"));
   }
   SECTION("elsewhere it counts as a border and the report says so") {
-    const auto report = verify_fold(foreign(draft));
-    REQUIRE(report);
-    INFO(verify_text(*report));
-    CHECK(report->ok());
-    CHECK(has(verify_text(*report), "1 unassigned edge with a face on one side only counts"));
+    const auto report = value(verify_fold(foreign(draft)));
+    INFO(verify_text(report));
+    CHECK(report.ok());
+    CHECK(has(verify_text(report), "1 unassigned edge with a face on one side only counts"));
   }
 }
 
@@ -212,16 +211,14 @@ TEST_CASE("an unused vertex does not loosen the limits", "[core][verify]") {
     FoldDraft draft = box_card();
     draft.flat.push_back({far, far});
     for (auto& pose : draft.poses) pose.at.push_back({far, far, 0.0});
-    const auto sound = verify_fold(foreign(draft));
-    REQUIRE(sound);
-    INFO(verify_text(*sound));
-    CHECK(sound->ok());
-    CHECK(sound->sheet_u_mm == 80.0);
+    const auto sound = value(verify_fold(foreign(draft)));
+    INFO(verify_text(sound));
+    CHECK(sound.ok());
+    CHECK(sound.sheet_u_mm == 80.0);
     draft.poses[2].at[0][1] -= 0.05;  // a corner, half a tenth of a millimetre
-    const auto report = verify_fold(foreign(draft));
-    REQUIRE(report);
-    CHECK_FALSE(report->ok());
-    CHECK(has(failures(*report, "isometry"), "/file_frames/2"));
+    const auto report = value(verify_fold(foreign(draft)));
+    CHECK_FALSE(report.ok());
+    CHECK(has(failures(report, "isometry"), "/file_frames/2"));
   }
 }
 
