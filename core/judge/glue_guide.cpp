@@ -6,7 +6,6 @@
 #include <cmath>
 #include <deque>
 #include <map>
-#include <numbers>
 #include <utility>
 
 #include <fmt/format.h>
@@ -133,17 +132,9 @@ class CardGuide {
   }
 
   Result<void> open_card() {
-    std::vector<verify::Sheet> sheets;
-    VerifyCheck check;
-    for (const verify::CardPart& part : model_.parts)
-      sheets.push_back(verify::make_sheet(part.sheet, check));
-    auto card = verify::assemble(model_, std::move(sheets), check);
+    auto card = verify::whole_card(model_, ", so they cannot be glued");
     if (!card) return tl::unexpected(card.error());
     card_ = std::move(*card);
-    if (check.failed > 0 || !verify::loose_bodies(card_).empty())
-      return fail(ErrorKind::Infeasible, "/popcut:joints",
-                  "do not hold all parts together, so they cannot be glued; 'popcut verify' says "
-                  "what is wrong");
     tell(progress_, "opening the card");
     const double open = std::min(kOpen_rad, radians(model_.opens_deg)),
                  half = std::min(kHalfOpen_rad, 0.6 * open);

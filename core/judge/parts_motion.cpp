@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <numbers>
 #include <set>
@@ -64,16 +63,9 @@ class MovingCard {
   explicit MovingCard(verify::JointModel model) : model_(std::move(model)) {}
 
   Result<PartsMotion> run(const Progress& progress) {
-    std::vector<verify::Sheet> sheets;
-    VerifyCheck check;
-    for (const verify::CardPart& part : model_.parts)
-      sheets.push_back(verify::make_sheet(part.sheet, check));
-    auto card = verify::assemble(model_, std::move(sheets), check);
+    auto card = verify::whole_card(model_, "");
     if (!card) return tl::unexpected(card.error());
     card_ = std::move(*card);
-    if (check.failed > 0 || !verify::loose_bodies(card_).empty())
-      return fail(ErrorKind::Infeasible, "/popcut:joints",
-                  "do not hold all parts together; 'popcut verify' says what is wrong");
     for (std::size_t p = 0; p < model_.parts.size(); ++p) add_part(p);
     count_tabs();
     tell(progress, "opening the card");

@@ -333,6 +333,18 @@ std::vector<std::uint32_t> loose_bodies(const Assembled& card) {
   return out;
 }
 
+Result<Assembled> whole_card(const JointModel& model, std::string_view therefore) {
+  std::vector<Sheet> sheets;
+  VerifyCheck check;
+  for (const CardPart& part : model.parts) sheets.push_back(make_sheet(part.sheet, check));
+  auto card = assemble(model, std::move(sheets), check);
+  if (card && (check.failed > 0 || !loose_bodies(*card).empty()))
+    return fail(ErrorKind::Infeasible, "/popcut:joints",
+                fmt::format("do not hold all parts together{}; 'popcut verify' says what is wrong",
+                            therefore));
+  return card;
+}
+
 Followed follow(const Assembled& card, const std::vector<double>& opening_rad) {
   Followed out;
   BodyState start = first_state(card);

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -26,6 +27,12 @@ struct Followed {
 
 /// Bodies that nothing connects to the pages.
 [[nodiscard]] std::vector<std::uint32_t> loose_bodies(const Assembled& card);
+
+/// The parts put together, as one card that its joints hold.
+///
+/// @param therefore  what cannot be done if they do not: ", so ..."; may be empty
+/// @retval Infeasible  the joints do not fit, or do not hold all parts
+[[nodiscard]] Result<Assembled> whole_card(const JointModel& model, std::string_view therefore);
 
 /// Moves the card from the opened pose that the file's fold angles give, by rigid bodies on closed
 /// joints: Gauss-Newton steps at each opening, continued to both ends in steps that are halved
