@@ -63,7 +63,9 @@ class GridReader {
     if (cell.front() == '+') cell.remove_prefix(1);
     double value = 0.0;
     const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
-    if (error != std::errc{} || end != cell.data() + cell.size() || !std::isfinite(value))
+    // Meshes hold floats.
+    if (error != std::errc{} || end != cell.data() + cell.size() ||
+        !std::isfinite(static_cast<float>(value)))
       return wrong(name_, line_, column,
                    fmt::format("is \"{}\"; {} is needed, with a point for decimals",
                                cell.substr(0, 24), what));

@@ -748,6 +748,7 @@ TEST_CASE("a grid with gaps or text is refused with line and column", "[core][gr
         Row{",0,x\n0,1,1\n1,1,1\n", "h.csv: line 1, column 3"},
         Row{",0,10\n0,1,nan\n1,1,1\n", "h.csv: line 2, column 3"},
         Row{",0,10\n0,1,1e999\n1,1,1\n", "h.csv: line 2, column 3"},
+        Row{",0,10\n0,1,1\n1e108,1,1\n", "h.csv: line 3, column 1"},
         Row{",0,10\n0,1,1\n", "h.csv: line 2, column 1"},
         Row{",0\n0,1\n1,1\n", "h.csv: line 1, column 2"}, Row{"hello\n", "h.csv: line 1, column 1"},
         Row{"", "h.csv: line 1, column 1"}}) {
