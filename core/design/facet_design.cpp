@@ -352,8 +352,10 @@ void warn_of_many_folds(const DesignSpec& spec, DesignReport& report) {
 }  // namespace
 
 Result<FacetCard> facets_of(const DesignSpec& spec, const FacetTarget& target,
-                            const Progress& progress) {
-  return card_of_few_folds(target.soup, spec, options_of(spec, target), progress);
+                            double most_roof_play_mm, const Progress& progress) {
+  FacetOptions options = options_of(spec, target);
+  options.most_roof_play_mm = most_roof_play_mm;
+  return card_of_few_folds(target.soup, spec, options, progress);
 }
 
 void warn_of_facets(const DesignSpec& spec, const FacetTarget& target, const FacetCard& made,
@@ -371,7 +373,7 @@ Result<Design> facet_design(const DesignSpec& spec, const SurfaceAssets& assets,
   if (!surface) return tl::unexpected(surface.error());
   const auto target = target_over(spec, *surface);
   if (!target) return tl::unexpected(target.error());
-  auto made = facets_of(spec, *target, progress);
+  auto made = card_of_few_folds(target->soup, spec, options_of(spec, *target), progress);
   if (!made) return tl::unexpected(made.error());
   Design out;
   DesignReport& r = out.report;

@@ -19,8 +19,10 @@ struct FacetTarget {
 
 /// The facets of a spec, with the fewest folds that it asks for. The same errors as
 /// `facet_design`, as far as they are about facets.
+///
+/// @param most_roof_play_mm  of a glued roof (`TentSection::play_mm`): looser ones become stairs
 [[nodiscard]] Result<FacetCard> facets_of(const DesignSpec& spec, const FacetTarget& target,
-                                          const Progress& progress);
+                                          double most_roof_play_mm, const Progress& progress);
 
 /// Adds the warnings about facets to a report, which has their work by hand.
 void warn_of_facets(const DesignSpec& spec, const FacetTarget& target, const FacetCard& made,

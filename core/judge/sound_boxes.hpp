@@ -17,13 +17,11 @@ struct SoundBoxes {
   PartsVerifyReport report;
 };
 
-/// A card of boxes (`boxed_card`), or of facets with glued roofs (`tented_card`).
-[[nodiscard]] Result<BoxedCard> designed_boxes(const DesignSpec& spec, const SurfaceAssets& assets,
-                                               const Progress& progress = {});
-
-/// Designs such a card, and judges it by its FOLD file.
+/// Designs a card of boxes (`boxed_card`), or of facets with glued roofs (`tented_card`), and
+/// judges it by its FOLD file. A glued roof stays only if the card then moves by at most
+/// `kHolds_mm`.
 ///
-/// @retval Internal  verify finds faults; else as `designed_boxes`
+/// @retval Internal  verify finds faults; else as those functions
 [[nodiscard]] Result<SoundBoxes> sound_boxes(const DesignSpec& spec, const SurfaceAssets& assets,
                                              const std::string& creator,
                                              const Progress& progress = {});

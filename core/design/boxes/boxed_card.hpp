@@ -64,6 +64,7 @@ struct BoxedCard {
   std::size_t panels{};    ///< of all boxes
   std::size_t folds{}, tabs{};
   hands::Handwork handwork;
+  std::optional<double> wobble_mm;  ///< as verify measures it; none: not judged
   std::vector<Warning> warnings;
 
   /// Whether the target's front, its x axis, looks along the spine; else along u.

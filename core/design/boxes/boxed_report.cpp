@@ -86,6 +86,7 @@ std::string boxed_report_json(const BoxedCard& made, double seconds) {
         {"surface", made.seen.surface()},
         {"contour", made.seen.contour()},
         {"cover", made.seen.cover}}},
+      {"wobble_mm", made.wobble_mm ? Json(*made.wobble_mm) : Json()},
       {"handwork", hands::handwork_json(made.handwork)},
       {"warnings", warnings_json(made.warnings)},
       {"seconds", seconds}});

@@ -72,11 +72,11 @@ Result<CardTent> add_tent(const FacetCard& made, const TentRun& run, const std::
 }  // namespace
 
 Result<BoxedCard> tented_card(const DesignSpec& spec, const SurfaceAssets& assets,
-                              const Progress& progress) {
+                              double most_play_mm, const Progress& progress) {
   tell(progress, "reading the shape");
   const auto target = facet_target(spec, assets);
   if (!target) return tl::unexpected(target.error());
-  const auto made = facets_of(spec, *target, progress);
+  const auto made = facets_of(spec, *target, most_play_mm, progress);
   if (!made) return tl::unexpected(made.error());
   if (made->pattern.motion.degrees_of_freedom != 1)
     return fail(ErrorKind::Infeasible, "/facets",

@@ -27,7 +27,6 @@ constexpr double kMostPoints = 64e6;
 constexpr int kSweeps = 12, kRoughSweeps = 4;
 constexpr std::array kStrengths{1.0, 1.6};  ///< of holding, until a card holds in paper
 constexpr double kLeastLayer_mm2 = 40.0;    ///< smaller pieces of a layer are left out
-constexpr double kMostRoofPlay_mm = 0.6;    ///< of a glued roof; with its sheet it is then firm
 constexpr double kLeastDeeper_mm = 2.0;     ///< of what a window shows
 
 int steps_up(double mm, double step_mm) { return static_cast<int>(std::ceil(mm / step_mm - 1e-9)); }
@@ -150,7 +149,7 @@ class FacetMaker {
     const double reach = limits().most_reach_mm / step_mm_;
     if (reach < within.most_reach) within.most_reach = static_cast<int>(reach);
     if (options_.tents)
-      tents_ = plan_tents(target_, image, grid_, within, kMostRoofPlay_mm);
+      tents_ = plan_tents(target_, image, grid_, within, options_.most_roof_play_mm);
     else
       roofs_ = plan_kites(target_, image, grid_, within);
     if (!roofs_.runs.empty() || !tents_.runs.empty()) return {};

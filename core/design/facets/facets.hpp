@@ -29,6 +29,7 @@ struct FacetOptions {
   bool inward{};           ///< planes behind wall and ground may be taken
   bool kites{};            ///< sloped planes become kites, where they can (roofs.hpp)
   bool tents{};            ///< they become glued roofs, where they can
+  double most_roof_play_mm{std::numeric_limits<double>::infinity()};  ///< of a glued roof
   bool lattice{true};   ///< curved parts hold as a lattice does, in planes that are fitted to them
   bool in_paper{true};  ///< panels hold at places that are far enough apart (`paper_rule`)
   int layers{};  ///< upright planes of a silhouette (silhouette.hpp); 0: facets in all planes

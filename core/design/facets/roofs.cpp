@@ -174,6 +174,29 @@ std::optional<TentRun> tent_of(RoofPlane& roof, int by, const FacetGrid& grid,
   return out;
 }
 
+/// What would make a tent firm: a steeper roof over the same ground, or more room behind it.
+std::string firmer(const TentSection& loose, double most_play_mm) {
+  constexpr int kSteepest_deg = 80;
+  constexpr double kMostMove = 0.25;  // of the way to the eave; beyond, it helps little
+  const double over_mm = loose.roof_mm * std::cos(loose.slope_rad);
+  const auto is_firm = [&](double foot_mm, double slope_rad) {
+    const auto tent = firmest_tent(foot_mm, over_mm / std::cos(slope_rad), slope_rad);
+    return tent && tent->play_mm(hands::Play{}.line_mm) <= most_play_mm;
+  };
+  std::vector<std::string> ways;
+  const int first_deg = static_cast<int>(degrees(loose.slope_rad)) + 1;
+  for (int deg = first_deg; ways.empty() && deg <= kSteepest_deg; ++deg)
+    if (is_firm(loose.foot_mm, radians(deg)))
+      ways.push_back(fmt::format("make it fall at {} degrees or more", deg));
+  const auto most_mm = static_cast<int>(kMostMove * loose.foot_mm);
+  const std::size_t before = ways.size();
+  for (int mm = 1; ways.size() == before && mm <= most_mm; ++mm)
+    if (is_firm(loose.foot_mm + mm, loose.slope_rad))
+      ways.push_back(fmt::format("move the shape {} mm away from the wall", mm));
+  ways.push_back(R"(set "sloped": "none")");
+  return fmt::format("{}", fmt::join(ways, ", or "));
+}
+
 std::string words_of(const RoofPlane& roof) {
   return fmt::format("the roof that falls at {:.0f} degrees", degrees(roof.slope_rad));
 }
@@ -357,10 +380,9 @@ TentPlan plan_tents(const TriangleSoup& target, const SeenTarget& seen, const Fa
                       tent->strut_at_mm, kLeastStrut_mm));
     } else if (const double play = tent->play_mm(hands::Play{}.line_mm); play > most_play_mm) {
       refuse(
-          fmt::format("would be loose: its ridge moves by {:.2g} mm where folds are {:g} mm off "
-                      "their lines, and at most {:g} mm is allowed; move the shape away from "
-                      "the wall, or make the roof steeper",
-                      play, hands::Play{}.line_mm, most_play_mm));
+          fmt::format("would be loose: where folds are {:g} mm off their lines, its ridge moves by "
+                      "{:.2f} mm on a sheet that stays, and the card holds with {:.2f} mm; {}",
+                      hands::Play{}.line_mm, play, most_play_mm, firmer(*tent, most_play_mm)));
     } else {
       best->section = *tent;
       for (const auto& [first, end] : found) {

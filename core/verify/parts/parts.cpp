@@ -30,7 +30,7 @@ using Json = nlohmann::ordered_json;
 constexpr double kShutFrom_deg = 1.0;  ///< the first opening that is looked at; the last as far off
 constexpr double kShut_mm = 0.01;      ///< that a shut card may reach beyond its pages
 constexpr double kCountAt_rad = 1.1;   ///< a pose without flat and shut folds
-constexpr double kWobbleAt_deg = 170.0, kWobbleLimit_mm = 1.0;
+constexpr double kWobbleAt_deg = 170.0;
 constexpr std::size_t kMostWobbling = 1000;  ///< bodies
 constexpr std::size_t kMostCounted = 400;    ///< bodies
 constexpr double kStackCell_mm = 2.0;
@@ -446,7 +446,7 @@ class PartsJudge {
       for (std::size_t n = 0; n < card_.sheets[p].panels; ++n)
         if (card_.body[card_.first_panel[p] + n] == most && report_.wobbles_most.empty())
           report_.wobbles_most = model_.parts[p].name;
-    if (play[most] > kWobbleLimit_mm)
+    if (play[most] > kHolds_mm)
       report_.notes.push_back(
           fmt::format("{:?} wobbles by {:.2f} mm where folds are {} mm off their lines; longer "
                       "folds hold it better",

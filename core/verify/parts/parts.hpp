@@ -20,6 +20,10 @@ struct PartsVerifyOptions {
   Progress progress{};
 };
 
+/// A card whose panels move by more, where folds are 0.1 mm off their lines, is loose: a note says
+/// so.
+inline constexpr double kHolds_mm = 1.0;
+
 /// What a card of several parts is, and whether it is sound.
 struct PartsVerifyReport {
   std::vector<std::string> names;   ///< of the parts

@@ -66,10 +66,16 @@ Result<PartsCard> parts_card(const DesignSpec& spec, const SurfaceAssets& assets
     auto made = layered_card(spec, assets, progress);
     if (!made) return tl::unexpected(made.error());
     out.layers = std::move(*made);
-  } else if (is_of_boxes(spec)) {
-    auto made = judge::designed_boxes(spec, assets, progress);
+  } else if (spec.style == DesignStyle::Boxes && !is_checked) {
+    auto made = boxed_card(spec, assets, progress);
     if (!made) return tl::unexpected(made.error());
     out.boxes = std::move(*made);
+  } else if (is_of_boxes(spec)) {
+    // Which roofs are glued on depends on what verify finds.
+    auto made = judge::sound_boxes(spec, assets, kPartsCreator, progress);
+    if (!made) return tl::unexpected(made.error());
+    out.boxes = std::move(made->made), out.fold = std::move(made->fold);
+    return out;
   } else {
     auto made = sliced_card(spec, assets, progress);
     if (!made) return tl::unexpected(made.error());
@@ -79,9 +85,8 @@ Result<PartsCard> parts_card(const DesignSpec& spec, const SurfaceAssets& assets
   if (!fold) return tl::unexpected(fold.error());
   out.fold = std::move(*fold);
   if (!is_checked) return out;
-  const char* const instead = out.layers  ? "try other layers or another size"
-                              : out.boxes ? "try another size"
-                                          : "try other numbers of slices";
+  const char* const instead =
+      out.layers ? "try other layers or another size" : "try other numbers of slices";
   if (auto sound = judge::sound_report(out.fold, instead, progress); !sound)
     return tl::unexpected(sound.error());
   return out;

@@ -36,7 +36,7 @@ struct PartsCard {
   [[nodiscard]] std::string report() const;
 };
 
-/// @param is_checked  false: verify does not look at it, which is quicker
+/// @param is_checked  false: verify need not look at it, which is quicker
 /// @retval Internal  verify finds faults; else as `layered_card`, `sliced_card` and `boxed_card`
 [[nodiscard]] Result<PartsCard> parts_card(const DesignSpec& spec, const SurfaceAssets& assets,
                                            bool is_checked, const Progress& progress = {});

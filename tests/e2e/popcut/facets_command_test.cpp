@@ -113,6 +113,49 @@ TEST_CASE("a roof that is too long for a sloped panel is refused with what would
                           Catch::Contains("away from the wall"));
 }
 
+TEST_CASE(
+    "a house has a glued roof that holds, is checked, planned, printed and shown step by step",
+    "[cli][e2e][facets]") {
+  const Bench bench;
+  json spec = json::parse(text_of_file(source_file("docs/facets/chalet.json")));
+  bench.write("chalet.json", spec);
+  const Ran ran = bench.popcut({"design", "chalet.json", "-o", "out"});
+  INFO(ran.err);
+  REQUIRE(ran.exit == 0);
+  CHECK_THAT(ran.err, Catch::Contains("1 glued roof on a card that opens to 90 degrees"));
+  const json report = bench.report();
+  CHECK(report["panels"] == 6);
+  CHECK(report["tabs"] == 3);
+  CHECK(report["wobble_mm"].get<double>() <= 1.0);
+  CHECK(report["wobble_mm"].get<double>() > 0.1);
+  REQUIRE(report["tents"].size() == 1);
+  const Ran checked = bench.popcut({"verify", "out/pattern.fold", "--dof", "1", "--json"});
+  REQUIRE(checked.exit == 0);
+  const json verified = json::parse(checked.out);
+  CHECK(verified["degrees_of_freedom"] == 1);
+  CHECK(verified["wobble_mm"].get<double>() ==
+        Approx(report["wobble_mm"].get<double>()).epsilon(1e-6));
+  CHECK(verified["opening_deg"][1] == 90.0);
+  CHECK(bench.popcut({"plan", "out/pattern.fold", "-o", "sheets"}).exit == 0);
+  CHECK(bench.popcut({"print", "chalet.json", "-o", "pages", "--dpi", "72"}).exit == 0);
+  REQUIRE(bench.popcut({"fold-guide", "chalet.json", "-o", "guide"}).exit == 0);
+  CHECK(bench.read_json("guide/fold-guide.json")["tabs"].size() == 3);
+  // Its sheet says which of its panels are pages; the longest of its folds need not be the spine.
+  json file = bench.read_json("out/pattern.fold");
+  const json pages = file["popcut:pages"];
+  const int level = 2;  // after both pages, from the wall on: it has no fold with the ground
+  for (const auto& [wrong, why] :
+       {std::pair(json{0, 0}, "two different faces"), std::pair(json{0, 99}, "two different faces"),
+        std::pair(json{pages[1], level}, "spine")}) {
+    file["popcut:pages"] = wrong;
+    bench.write("wrong.fold", file);
+    const Ran refused = bench.popcut({"verify", "wrong.fold"});
+    CAPTURE(wrong.dump());
+    CHECK(refused.exit != 0);
+    CHECK_THAT(refused.err, Catch::Contains("/popcut:pages") && Catch::Contains(why));
+  }
+}
+
 TEST_CASE("the cat of the examples is easy to fold, holds in paper and opens in one movement",
           "[cli][e2e][facets]") {
   const Bench bench;
