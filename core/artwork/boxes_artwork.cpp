@@ -17,15 +17,6 @@ namespace popcut {
 namespace boxes_artwork_parts {
 namespace {
 
-constexpr double kNear = 0.02;  ///< of the target's size: so far from a panel it is on it
-
-/// How far from a part the model may be to be on it: bent ends are a little off the model's.
-double near_mm(const BoxedCard& made, std::size_t part) {
-  const auto box = std::find_if(made.boxes.begin(), made.boxes.end(),
-                                [&](const CardBox& one) { return one.first_part == part; });
-  return kNear * made.fit.size_mm + (box == made.boxes.end() ? 0.0 : box->off_mm);
-}
-
 /// The model as each face of a part is looked at, square to it: what is nearer than `near_mm`
 /// first, its outermost point; else what is nearest. Nothing on `bare` faces.
 ColourImage seen_on_faces(const ColourMesh& model, const SheetPart& sheet,
@@ -106,8 +97,7 @@ Result<Artwork> boxes_artwork(const BoxedCard& made, const ColourMesh& model,
                          const std::span<const std::uint32_t> pages(made.card.pages);
                          return boxes_artwork_parts::seen_on_faces(
                              model, made.card.parts[part], part == 0 ? pages : pages.first(0),
-                             pose[part], surface, frame, boxes_artwork_parts::near_mm(made, part),
-                             options.shade);
+                             pose[part], surface, frame, made.near_mm(part), options.shade);
                        });
 }
 

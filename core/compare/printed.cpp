@@ -34,14 +34,24 @@ std::array<float, 3> lab_of(const Rgb& rgb, double light) {
           static_cast<float>(200.0 * (y - z))};
 }
 
+Vec3 corner_of(Triangles triangles, std::size_t corner) {
+  const auto at = [&](std::size_t k) { return static_cast<double>(triangles[3 * corner + k]); };
+  return {at(0), at(1), at(2)};
+}
+
+/// The side on which the triangles of a panel run counter-clockwise, as long as twice their area.
+Vec3 outward_of(Triangles triangles) {
+  Vec3 out(0, 0, 0);
+  for (std::size_t c = 0; c + 2 < triangles.size() / 3; c += 3) {
+    const Vec3 a = corner_of(triangles, c);
+    out += cross(Vec3(corner_of(triangles, c + 1) - a), Vec3(corner_of(triangles, c + 2) - a));
+  }
+  return out;
+}
+
 /// How much light falls on a triangle, both sides as the one that looks along the diagonal.
-double light_on(const float* p) {
-  const auto corner = [&](std::size_t k) {
-    return Vec3(static_cast<double>(p[k]), static_cast<double>(p[k + 1]),
-                static_cast<double>(p[k + 2]));
-  };
-  const Vec3 a = corner(0);
-  Vec3 normal = cross(Vec3(corner(3) - a), Vec3(corner(6) - a));
+double light_on(Triangles triangle) {
+  Vec3 normal = outward_of(triangle);
   const double length = norm(normal);
   if (!(length > 0.0)) return 1.0 - kShade;
   normal = (1.0 / length) * normal;
@@ -73,7 +83,7 @@ PrintedTarget::PrintedTarget(Triangles triangles, std::span<const Rgb> colours, 
   if (box_.empty() || !(diagonal_mm_ > 0.0) || !std::isfinite(diagonal_mm_)) return;
   lit_.resize(triangles.size() / 9);
   for (std::size_t t = 0; t < lit_.size(); ++t)
-    lit_[t] = lab_of(colours.empty() ? kClay : colours[t], light_on(&triangles[9 * t]));
+    lit_[t] = lab_of(colours.empty() ? kClay : colours[t], light_on(triangles.subspan(9 * t, 9)));
   const int finer = std::min(kMostPixels, static_cast<int>(kFinerPrint * scene_.pixels));
   print_ = seen_from(view_from(Vec3(1, 0, 1)), finer, triangles, lit_);
   for (const View& view : scene_.views)
@@ -116,13 +126,13 @@ double PrintedTarget::detail() const {
 }
 
 template <typename IsBetter>
-PrintedTarget::Seen PrintedTarget::painted(const View& view, int pixels, Triangles triangles,
+PrintedTarget::Seen PrintedTarget::painted(const Frame& frame, Triangles triangles,
                                            std::span<const Lab> colours,
                                            const IsBetter& is_better) const {
   Seen out;
-  out.frame = {view, box_.centre(), kSide * diagonal_mm_, pixels};
-  const auto width = static_cast<std::size_t>(pixels);
-  out.image.pixels = pixels;
+  out.frame = frame;
+  const auto width = static_cast<std::size_t>(frame.pixels);
+  out.image.pixels = frame.pixels;
   out.image.depth.assign(width * width, kNothing);
   out.colour.assign(width * width, Lab{});
   const Raster raster(out.frame);
@@ -142,9 +152,13 @@ PrintedTarget::Seen PrintedTarget::painted(const View& view, int pixels, Triangl
   return out;
 }
 
+Frame PrintedTarget::frame_of(const View& view, int pixels) const {
+  return {view, box_.centre(), kSide * diagonal_mm_, pixels};
+}
+
 PrintedTarget::Seen PrintedTarget::seen_from(const View& view, int pixels, Triangles triangles,
                                              std::span<const Lab> colours) const {
-  Seen out = painted(view, pixels, triangles, colours,
+  Seen out = painted(frame_of(view, pixels), triangles, colours,
                      [](float here, float before, std::size_t) { return here > before; });
   if (scene_.corner) draw(out.frame, *scene_.corner, out.backdrop);
   hide_behind(out.backdrop, kTouch * diagonal_mm_, out.image);
@@ -182,7 +196,29 @@ PrintedTarget::Seen PrintedTarget::print_of(const PrintedLayer& layer) const {
                        static_cast<double>(triangles_[k + 2])});
     for (const double of : {at.x(), at.y(), at.z()}) moved.push_back(static_cast<float>(of));
   }
-  return painted(view_from(Vec3(1, 0, 0)), pixels, moved, lit_, is_better);
+  return painted(frame_of(view_from(Vec3(1, 0, 0)), pixels), moved, lit_, is_better);
+}
+
+PrintedTarget::Seen PrintedTarget::print_of(const PrintedPanel& panel) const {
+  const Box around = box_of(panel.triangles);
+  if (panel.near_mm < 0.0 || around.empty()) return {};
+  // Only as large as the panel, as fine as the prints of all of the target.
+  const double fine_mm = kSide * diagonal_mm_ / (kFinerPrint * scene_.pixels);
+  Frame frame{view_from(outward_of(panel.triangles)), around.centre(),
+              std::max(around.diagonal(), kLeastPixels * fine_mm), kLeastPixels};
+  frame.pixels = static_cast<int>(
+      std::clamp(frame.side_mm / fine_mm, double{kLeastPixels}, double{kMostPixels}));
+  const double plane_mm = dot(frame.view.toward, corner_of(panel.triangles, 0) - frame.centre);
+  const auto is_near = [&](float depth) {
+    return std::abs(static_cast<double>(depth) - plane_mm) <= panel.near_mm;
+  };
+  return painted(frame, triangles_, lit_, [&](float here, float before, std::size_t) {
+    if (before == kNothing || is_near(here) != is_near(before))
+      return before == kNothing || is_near(here);
+    if (is_near(here)) return here > before;
+    return std::abs(static_cast<double>(here) - plane_mm) <
+           std::abs(static_cast<double>(before) - plane_mm);
+  });
 }
 
 const PrintedTarget::Lab* PrintedTarget::printed_at(const Seen& print, const Vec3& place) {
@@ -222,8 +258,9 @@ void PrintedTarget::draw_card(const Seen& seen, Triangles structure, DepthImage&
     }
 }
 
-void PrintedTarget::draw_layers(const Seen& seen, std::span<const PrintedLayer> layers,
-                                std::span<const Seen> prints, DepthImage& image,
+template <typename Piece, typename PrintAt>
+void PrintedTarget::draw_pieces(const Seen& seen, std::span<const Piece> pieces,
+                                const PrintAt& print_at, DepthImage& image,
                                 std::vector<Lab>& own) const {
   static const Lab bare = lab_of(kBare, 1.0);
   draw(seen.frame, Triangles{}, image);
@@ -231,18 +268,18 @@ void PrintedTarget::draw_layers(const Seen& seen, std::span<const PrintedLayer> 
   const Frame& frame = seen.frame;
   const double pitch = frame.pitch_mm(), first = 0.5 * pitch - 0.5 * frame.side_mm;
   DepthImage one;
-  for (std::size_t k = 0; k < layers.size(); ++k) {
-    draw(frame, layers[k].triangles, one);
+  for (std::size_t k = 0; k < pieces.size(); ++k) {
+    draw(frame, pieces[k].triangles, one);
+    hide_behind(seen.backdrop, kTouch * diagonal_mm_, one);
     std::size_t p = 0;
     for (int row = 0; row < frame.pixels; ++row)
       for (int column = 0; column < frame.pixels; ++column, ++p) {
         if (!(one.depth[p] > image.depth[p])) continue;
         image.depth[p] = one.depth[p];
-        Vec3 at = frame.centre + (first + pitch * column) * frame.view.right +
-                  (first + pitch * row) * frame.view.up +
-                  static_cast<double>(one.depth[p]) * frame.view.toward;
-        at.x() += layers[k].raised * std::abs(at.y());
-        const Lab* const print = printed_at(prints[k], fallen(layers[k], at));
+        const Lab* const print =
+            print_at(k, Vec3(frame.centre + (first + pitch * column) * frame.view.right +
+                             (first + pitch * row) * frame.view.up +
+                             static_cast<double>(one.depth[p]) * frame.view.toward));
         own[p] = print != nullptr ? *print : bare;
       }
   }
@@ -259,7 +296,30 @@ PrintedFigures PrintedTarget::measure_layers(std::span<const PrintedLayer> layer
   for (const PrintedLayer& layer : layers) prints.push_back(print_of(layer));
   Buffers buffers;
   return compared(buffers, [&](const Seen& seen, DepthImage& image, std::vector<Lab>& own) {
-    draw_layers(seen, layers, prints, image, own);
+    draw_pieces(
+        seen, layers,
+        [&](std::size_t k, Vec3 place) {
+          place.x() += layers[k].raised * std::abs(place.y());
+          return printed_at(prints[k], fallen(layers[k], place));
+        },
+        image, own);
+  });
+}
+
+PrintedFigures PrintedTarget::measure_panels(std::span<const PrintedPanel> panels) const {
+  std::vector<Seen> prints;
+  for (const PrintedPanel& panel : panels) prints.push_back(print_of(panel));
+  Buffers buffers;
+  return compared(buffers, [&](const Seen& seen, DepthImage& image, std::vector<Lab>& own) {
+    draw_pieces(
+        seen, panels,
+        [&](std::size_t k, const Vec3& place) {
+          const Seen& print = prints[k];
+          const bool shows =
+              print.frame.pixels > 0 && dot(print.frame.view.toward, seen.frame.view.toward) > 0.0;
+          return shows ? printed_at(print, place) : nullptr;
+        },
+        image, own);
   });
 }
 

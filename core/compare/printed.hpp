@@ -36,6 +36,14 @@ struct PrintedLayer {
   double raised{};  ///< what is printed at y is that of a place `raised * |y|` nearer
 };
 
+/// A panel of a card, its triangles counter-clockwise on the printed side. There it shows the
+/// target as it is seen square to it: what is at most `near_mm` off first, its outermost; else what
+/// is nearest to the panel. Less than 0: bare paper.
+struct PrintedPanel {
+  Triangles triangles;
+  double near_mm{};
+};
+
 /// A target in its colours, that printed structures are compared with. What is printed on a
 /// structure is the target as it is seen along (1, 0, 1): a place of the structure has the colour
 /// of the target's nearest point on the ray through it, or of bare paper where there is none
@@ -44,7 +52,7 @@ struct PrintedLayer {
 /// Values in, values out, const: one target serves many threads, each with its own `Buffers`.
 class PrintedTarget {
  public:
-  /// @param triangles  must outlive this to be compared with layers
+  /// @param triangles  must outlive this to be compared with layers or panels
   /// @param colours    of the triangles, one each; empty: clay
   PrintedTarget(Triangles triangles, std::span<const Rgb> colours, const Scene& scene);
 
@@ -61,6 +69,8 @@ class PrintedTarget {
   }
   /// The same of layers. The pages below them are bare, and no part of the card.
   [[nodiscard]] PrintedFigures measure_layers(std::span<const PrintedLayer> layers) const;
+  /// The same of panels, which are bare on their other side.
+  [[nodiscard]] PrintedFigures measure_panels(std::span<const PrintedPanel> panels) const;
 
  private:
   using Lab = std::array<float, 3>;
@@ -75,23 +85,28 @@ class PrintedTarget {
   /// Triangles with their colours from one side; `is_better(here, before)`: which of two depths is
   /// shown.
   template <typename IsBetter>
-  [[nodiscard]] Seen painted(const View& view, int pixels, Triangles triangles,
-                             std::span<const Lab> colours, const IsBetter& is_better) const;
+  [[nodiscard]] Seen painted(const Frame& frame, Triangles triangles, std::span<const Lab> colours,
+                             const IsBetter& is_better) const;
+  /// All of the target from one side.
+  [[nodiscard]] Frame frame_of(const View& view, int pixels) const;
   [[nodiscard]] Seen seen_from(const View& view, int pixels, Triangles triangles,
                                std::span<const Lab> colours) const;
   /// A place of the target moved up or down so that the look of a layer is along x.
   [[nodiscard]] Vec3 fallen(const PrintedLayer& layer, const Vec3& place) const;
   /// The target along the look of a layer, with the depths of the layer first.
   [[nodiscard]] Seen print_of(const PrintedLayer& layer) const;
+  [[nodiscard]] Seen print_of(const PrintedPanel& panel) const;
   /// The colour at a place of the card; null: bare paper.
   [[nodiscard]] static const Lab* printed_at(const Seen& print, const Vec3& place);
   /// Draws a structure, and the print on wall and ground, as seen from a side; `own`: its colours.
   void draw_card(const Seen& seen, Triangles structure, DepthImage& image,
                  std::vector<Lab>& own) const;
 
-  /// Draws layers as `draw_card` a structure; `prints`: one a layer.
-  void draw_layers(const Seen& seen, std::span<const PrintedLayer> layers,
-                   std::span<const Seen> prints, DepthImage& image, std::vector<Lab>& own) const;
+  /// Draws pieces (with `triangles`) as `draw_card` a structure; `print_at(k, place)`: the colour
+  /// of piece k at a place.
+  template <typename Piece, typename PrintAt>
+  void draw_pieces(const Seen& seen, std::span<const Piece> pieces, const PrintAt& print_at,
+                   DepthImage& image, std::vector<Lab>& own) const;
   /// Compares what `draw_own` draws with the target, from all sides.
   template <typename Draw>
   [[nodiscard]] PrintedFigures compared(Buffers& buffers, const Draw& draw_own) const;

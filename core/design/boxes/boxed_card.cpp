@@ -271,14 +271,6 @@ TriangleSoup shown_of(const TriangleSoup& whole) {
   return out;
 }
 
-/// Corners as they are seen by who looks at the target's front, which looks along x.
-std::vector<float> seen_in_front(const TriangleSoup& soup, bool faces_along_spine) {
-  std::vector<float> out(soup.corners.begin(), soup.corners.end());
-  for (std::size_t k = 0; faces_along_spine && k + 2 < out.size(); k += 3)
-    std::swap(out[k], out[k + 1]), out[k + 1] = -out[k + 1];
-  return out;
-}
-
 void warn_of_rest(const BlockRow& row, BoxedCard& out) {
   if (row.aside > 0)
     out.warnings.push_back(
@@ -300,6 +292,20 @@ void warn_of_rest(const BlockRow& row, BoxedCard& out) {
 }
 
 }  // namespace
+
+double BoxedCard::near_mm(std::size_t part) const {
+  constexpr double kNear = 0.02;  // of the target's size
+  const auto box = std::find_if(boxes.begin(), boxes.end(),
+                                [&](const CardBox& one) { return one.first_part == part; });
+  return kNear * fit.size_mm + (box == boxes.end() ? 0.0 : box->off_mm);
+}
+
+std::vector<float> seen_in_front(const TriangleSoup& soup, bool faces_along_spine) {
+  std::vector<float> out(soup.corners.begin(), soup.corners.end());
+  for (std::size_t k = 0; faces_along_spine && k + 2 < out.size(); k += 3)
+    std::swap(out[k], out[k + 1]), out[k + 1] = -out[k + 1];
+  return out;
+}
 
 void measure(BoxedCard& out) {
   const TriangleSoup panels = panels_in_space(out, open_pose(out));

@@ -82,6 +82,9 @@ struct BoxedCard {
     return std::any_of(boxes.begin(), boxes.end(),
                        [&](const CardBox& box) { return box.inner_part == part; });
   }
+  /// How far from a part the target may be to be printed on it as lying on it: bent ends are a
+  /// little off the target's.
+  [[nodiscard]] double near_mm(std::size_t part) const;
   /// Mean distance of both surfaces from each other, over the size of the target.
   [[nodiscard]] double error() const {
     return 0.5 * (fit.to_target.mean_mm + fit.to_structure.mean_mm) / fit.size_mm;
@@ -108,6 +111,10 @@ void measure(BoxedCard& made);
 [[nodiscard]] PartPoses pose_at(const BoxedCard& made, double opening_rad);
 /// The same of the open card.
 [[nodiscard]] PartPoses open_pose(const BoxedCard& made);
+
+/// Corners of an open card or its target as they are seen by who looks at the target's front, which
+/// looks along x.
+[[nodiscard]] std::vector<float> seen_in_front(const TriangleSoup& soup, bool faces_along_spine);
 
 /// Moves points (x, y, z one after the other, mm, as placed in the corner less `origin`) to their
 /// places on the card.

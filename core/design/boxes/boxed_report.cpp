@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "core/design/boxes/boxed_report.hpp"
 
+#include "core/compare/printed_json.hpp"
 #include "core/geometry/angle.hpp"
 #include "core/hands/handwork_json.hpp"
 #include "core/text/json_text.hpp"
@@ -53,7 +54,8 @@ const char* roof_word(const Block& block) {
                                            : "pyramid";
 }
 
-std::string boxed_report_json(const BoxedCard& made, double seconds) {
+std::string boxed_report_json(const BoxedCard& made, const likeness::PrintedFigures& printed,
+                              double seconds) {
   const Structure& card = made.card;
   const FitFigures& fit = made.fit;
   Json shares;
@@ -87,6 +89,7 @@ std::string boxed_report_json(const BoxedCard& made, double seconds) {
         {"contour", made.seen.contour()},
         {"cover", made.seen.cover}}},
       {"wobble_mm", made.wobble_mm ? Json(*made.wobble_mm) : Json()},
+      {"printed", likeness::printed_json(printed)},
       {"handwork", hands::handwork_json(made.handwork)},
       {"warnings", warnings_json(made.warnings)},
       {"seconds", seconds}});

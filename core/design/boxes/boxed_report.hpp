@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "core/compare/printed.hpp"
 #include "core/design/boxes/boxed_card.hpp"
 
 namespace popcut {
@@ -11,6 +12,10 @@ namespace popcut {
 [[nodiscard]] const char* roof_word(const Block& block);
 
 /// The `report.json` of a card of boxes.
-[[nodiscard]] std::string boxed_report_json(const BoxedCard& made, double seconds);
+///
+/// @param printed  how it looks printed
+[[nodiscard]] std::string boxed_report_json(const BoxedCard& made,
+                                            const likeness::PrintedFigures& printed,
+                                            double seconds);
 
 }  // namespace popcut

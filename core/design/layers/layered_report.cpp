@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "core/design/layers/layered_report.hpp"
 
+#include "core/compare/printed_json.hpp"
 #include "core/hands/handwork_json.hpp"
 #include "core/text/json_text.hpp"
 #include "core/text/warnings_json.hpp"
@@ -30,12 +31,7 @@ std::string layered_report_json(const LayeredCard& made, const likeness::Printed
                                                    {"holes_filled", layer.changes.filled},
                                                    {"parts_dropped", layer.changes.dropped}};
                                              })},
-                        {"printed",
-                         {{"looks", likeness::name_of(likeness::looks(printed))},
-                          {"error", printed.error()},
-                          {"colour", printed.colour},
-                          {"contour", printed.contour},
-                          {"cover", printed.cover}}},
+                        {"printed", likeness::printed_json(printed)},
                         {"handwork", hands::handwork_json(made.handwork)},
                         {"warnings", warnings_json(made.warnings)},
                         {"seconds", seconds}});

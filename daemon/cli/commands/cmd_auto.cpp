@@ -72,15 +72,17 @@ Result<void> add_card(SearchedModel& model, std::size_t k, OutputFolder& folder)
   return {};
 }
 
-/// The files of a card of layers.
-Result<void> add_layers(SearchedModel& model, OutputFolder& folder) {
-  if (!model.layers) return {};
-  folder.enter("layers");
-  if (auto done = folder.add("spec.json", model.layers->spec); !done) return done;
-  const auto files = add_layer_files(
-      model.layers->sound, model.layers->printed, model.material, 0.0,
-      [](std::string_view name) { return name != "picture"; }, folder);
-  if (!files) return tl::unexpected(files.error());
+/// The files of the cards of layers and of boxes.
+Result<void> add_glued(const SearchedModel& model, OutputFolder& folder) {
+  const auto wants = [](std::string_view name) { return name != "picture"; };
+  for (const planning::FoundGlued& one : model.glued) {
+    folder.enter(one.style());
+    if (auto done = folder.add("spec.json", one.spec); !done) return done;
+    const auto files =
+        one.layers ? add_layer_files(*one.layers, one.printed, model.material, 0.0, wants, folder)
+                   : add_box_files(*one.boxes, one.printed, model.material, 0.0, wants, folder);
+    if (!files) return tl::unexpected(files.error());
+  }
   return {};
 }
 
@@ -89,7 +91,7 @@ Result<void> write_files(const Options& options, SearchedModel& model, OutputFol
   LongWork work(!globals.quiet, "writing the cards");
   for (std::size_t k = 0; k < model.found.front.size(); ++k)
     if (auto done = add_card(model, k, folder); !done) return done;
-  if (auto done = add_layers(model, folder); !done) return done;
+  if (auto done = add_glued(model, folder); !done) return done;
   folder.enter("");
   const auto picture = front_picture(
       model.found,
@@ -157,7 +159,8 @@ constexpr const char* kHelp =
     "                 pattern (FOLD, SVG, DXF), cut.svg, and thumbnail.png beside the model;\n"
     "                 for books: book-NN/, with a folder for each card\n"
     "  layers/        one more card, of several parts, that opens flat ('popcut fold-guide\n"
-    "                 layers/spec.json' says how to glue it)\n\n"
+    "                 layers/spec.json' says how to glue it)\n"
+    "  boxes/         the same of walls and roofs, if the model is a house\n\n"
     "card-01 is the quickest to fold; the last card looks most like the model. The same seed "
     "gives\n"
     "the same cards on every computer.";

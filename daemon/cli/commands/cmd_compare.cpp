@@ -19,6 +19,7 @@
 #include "daemon/cli/input/book_input.hpp"
 #include "daemon/cli/input/compared_book.hpp"
 #include "daemon/cli/input/compared_pair.hpp"
+#include "daemon/cli/input/compared_parts.hpp"
 #include "daemon/cli/input/model_file.hpp"
 #include "daemon/cli/options/angles.hpp"
 #include "daemon/cli/options/option_value.hpp"
@@ -191,7 +192,37 @@ std::vector<likeness::Rgb> printed_colours(const Options& options, const Compare
                : std::vector<likeness::Rgb>();
 }
 
+/// A card of several parts, printed.
+Result<void> run_compare_parts(const Options& options, const Globals& globals) {
+  if (!options.psi.empty() || options.around || options.fit || options.scale ||
+      !options.rotate.empty() || !options.move.empty())
+    return fail(ErrorKind::Usage, "command line",
+                "a card of several parts is compared as its design opens it; leave out --psi, "
+                "--around, --scale, --rotate, --move and --fit");
+  std::optional<LongWork> work(std::in_place, !globals.quiet, "making the design");
+  const auto found =
+      compare_parts(options.pattern, options.target, options.pixels, work->progress());
+  work.reset();
+  if (!found) return tl::unexpected(found.error());
+  const PartsReport report{options.pattern, options.target, options.pixels, found->opens_flat,
+                           found->printed};
+  if (!options.folder.empty()) {
+    auto folder = OutputFolder::open(options.folder);
+    if (!folder) return tl::unexpected(folder.error());
+    if (auto done = folder->add("compare.json", compare_json(report)); !done) return done;
+    if (auto done = folder->commit("popcut compare " POPCUT_VERSION); !done) return done;
+  }
+  if (!globals.quiet) fmt::print("{}", globals.json ? compare_json(report) : compare_text(report));
+  return {};
+}
+
 Result<void> run_compare(Options options, const Globals& globals) {
+  if (options.more.empty() && is_card_of_parts(options.pattern)) {
+    if (options.printed) return run_compare_parts(options, globals);
+    return fail(ErrorKind::OutOfRange, options.pattern,
+                "is a card of several parts; popcut compares those printed: add --printed, and "
+                "give the design as TARGET");
+  }
   const auto psi = psi_of(options);
   if (!psi) return tl::unexpected(psi.error());
   const auto files = given_files(options);
@@ -265,7 +296,8 @@ constexpr const char* kHelp =
     "draws both from nine directions around the card's diagonal and compares depths, contours,\n"
     "the covered part and the volume; it also says what the card costs to cut. The last line is\n"
     "the error, a number to rank cards: 0 is the model itself. popcut looks at a book (its folder\n"
-    "or the FOLD files of its cards) from all around.\n\n"
+    "or the FOLD files of its cards) from all around. A card of several parts needs --printed and\n"
+    "its design as TARGET.\n\n"
     "A pattern that popcut designed from a mesh says where the mesh stands. Otherwise give\n"
     "--scale, --rotate and --move, as in a design; without them popcut searches for the place.";
 

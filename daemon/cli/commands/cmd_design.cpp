@@ -29,6 +29,7 @@
 #include "core/formats/write/profile_svg.hpp"
 #include "core/formats/write/report_json.hpp"
 #include "core/formats/write/segments_csv.hpp"
+#include "core/judge/boxes_likeness.hpp"
 #include "core/judge/layers_likeness.hpp"
 #include "core/judge/sound_boxes.hpp"
 #include "core/judge/sound_design.hpp"
@@ -407,17 +408,6 @@ Error report_unsound(OutputFolder folder, judge::DesignFault fault) {
   return std::move(fault.error);
 }
 
-/// The material that a spec names; errors say where.
-Result<Material> material_of(const DesignSpec& spec, const std::string& spec_file) {
-  const auto tables = read_user_tables();
-  if (!tables) return tl::unexpected(tables.error());
-  auto material = find_material(spec.material, tables->texts);
-  if (material) return *material;
-  const Error error = tables->with_file(material.error());
-  return fail(error.place.empty() ? ErrorKind::OutOfRange : error.kind,
-              error.place.empty() ? spec_file + ": /material" : error.place, error.detail);
-}
-
 /// A design as it comes: a spec, or a 3D model of which the best card is taken.
 struct GivenDesign {
   std::string text;
@@ -513,12 +503,8 @@ Result<void> layers_into(const PartsInto& into, const DesignSpec& spec,
   if (!made) return tl::unexpected(within(into.options.spec, made.error()));
   const double seconds = into.seconds();
   into.work->now("drawing the pictures");
-  std::vector<likeness::Rgb> colours;
-  for (const auto& [name, bytes] : assets)
-    if (const auto model =
-            model_in_colours(std::filesystem::path(into.options.spec).parent_path() / name, bytes))
-      colours = mean_colours(*model, made->made.target.size());
-  const likeness::PrintedFigures printed = judge::layers_likeness(made->made, colours);
+  const likeness::PrintedFigures printed = judge::layers_likeness(
+      made->made, asset_colours(into.options.spec, assets, made->made.target.size()));
   return keep_parts(
       into, "layers", seconds, *made,
       add_layer_files(*made, printed, into.material, seconds, into.wants, into.folder),
@@ -546,9 +532,12 @@ Result<void> boxes_into(const PartsInto& into, const DesignSpec& spec,
   if (!made) return tl::unexpected(within(into.options.spec, made.error()));
   const double seconds = into.seconds();
   into.work->now("drawing the pictures");
+  const likeness::PrintedFigures printed = judge::boxes_likeness(
+      made->made, asset_colours(into.options.spec, assets, made->made.target.size()));
   return keep_parts(into, "boxes", seconds, *made,
-                    add_box_files(*made, into.material, seconds, into.wants, into.folder),
-                    boxed_report_json(made->made, seconds), [&] { say_boxes(*made); });
+                    add_box_files(*made, printed, into.material, seconds, into.wants, into.folder),
+                    boxed_report_json(made->made, printed, seconds),
+                    [&] { say_boxes(*made, printed); });
 }
 
 Result<void> design_into(const Options& options, const Globals& globals) {

@@ -161,6 +161,13 @@ Result<std::string> add_slice_files(const judge::SoundSlices& sound, const Mater
 namespace layer_files_parts {
 namespace {
 
+void say_looks(const likeness::PrintedFigures& printed, bool opens_flat) {
+  fmt::print(stderr, "  looks    {} when printed, {}: error {:.4f}\n",
+             likeness::name_of(likeness::looks(printed)),
+             opens_flat ? "from 20 to 60 degrees above the page" : "from around the diagonal",
+             printed.error());
+}
+
 std::size_t count_of(const BoxedCard& made) {
   return made.is_of_facets() ? made.tents.size() : made.boxes.size();
 }
@@ -174,19 +181,20 @@ const char* word_of(const BoxedCard& made) {
 }  // namespace
 }  // namespace layer_files_parts
 
-Result<std::string> add_box_files(const judge::SoundBoxes& sound, const Material& material,
+Result<std::string> add_box_files(const judge::SoundBoxes& sound,
+                                  const likeness::PrintedFigures& printed, const Material& material,
                                   double seconds,
                                   const std::function<bool(std::string_view)>& wants,
                                   OutputFolder& folder) {
   const BoxedCard& made = sound.made;
   return layer_files_parts::add_files(
       {made.card, sound.fold, made.target, false, layer_files_parts::word_of(made),
-       layer_files_parts::count_of(made), boxed_report_json(made, seconds),
+       layer_files_parts::count_of(made), boxed_report_json(made, printed, seconds),
        [&](double opening_rad) { return pose_at(made, opening_rad); }, !made.faces_along_spine()},
       material, wants, folder);
 }
 
-void say_boxes(const judge::SoundBoxes& sound) {
+void say_boxes(const judge::SoundBoxes& sound, const likeness::PrintedFigures& printed) {
   const BoxedCard& made = sound.made;
   const char* const word = layer_files_parts::word_of(made);
   fmt::print(stderr, "{}: {} {} on a card that opens {}, in one movement\n",
@@ -218,6 +226,7 @@ void say_boxes(const judge::SoundBoxes& sound) {
   if (sound.report.wobble_mm)
     fmt::print(stderr, "  holds    panels move {:.2g} mm at most, when folds are 0.1 mm off\n",
                *sound.report.wobble_mm);
+  layer_files_parts::say_looks(printed, !made.is_of_facets());
   fmt::print(stderr, "  shape    {:.2f} % of its size off on average; {:.0f} % of it within 2 %\n",
              100.0 * made.error(), 100.0 * made.fit.share_within[1]);
   for (const Warning& warning : made.warnings)
@@ -256,10 +265,7 @@ void say_layers(const judge::SoundLayers& sound, const likeness::PrintedFigures&
   if (sound.report.wobble_mm)
     fmt::print(stderr, "  holds    panels move {:.2g} mm at most, when folds are 0.1 mm off\n",
                *sound.report.wobble_mm);
-  fmt::print(stderr, "  looks    {} when printed, {}: error {:.4f}\n",
-             likeness::name_of(likeness::looks(printed)),
-             made.opens_flat ? "from 20 to 60 degrees above the page" : "from around the diagonal",
-             printed.error());
+  layer_files_parts::say_looks(printed, made.opens_flat);
   for (const Warning& warning : made.warnings)
     fmt::print(stderr, "  warning  {}\n", shown_text(warning.message));
 }

@@ -32,12 +32,13 @@ namespace popcut::cli {
 
 /// The same of a card of boxes.
 [[nodiscard]] Result<std::string> add_box_files(const judge::SoundBoxes& sound,
+                                                const likeness::PrintedFigures& printed,
                                                 const Material& material, double seconds,
                                                 const std::function<bool(std::string_view)>& wants,
                                                 OutputFolder& folder);
 
 /// What a person wants to know of it first, to standard error.
-void say_boxes(const judge::SoundBoxes& sound);
+void say_boxes(const judge::SoundBoxes& sound, const likeness::PrintedFigures& printed);
 void say_slices(const judge::SoundSlices& sound);
 void say_layers(const judge::SoundLayers& sound, const likeness::PrintedFigures& printed);
 

@@ -9,6 +9,7 @@
 #include "core/design/placement.hpp"
 #include "daemon/cli/input/model_file.hpp"
 #include "daemon/cli/view/long_work.hpp"
+#include "daemon/files/user_tables.hpp"
 
 namespace popcut::cli {
 
@@ -43,6 +44,25 @@ Result<SurfaceAssets> load_assets(const DesignSpec& spec, const std::string& spe
         !done)
       return tl::unexpected(done.error());
   return assets;
+}
+
+Result<Material> material_of(const DesignSpec& spec, const std::string& spec_file) {
+  const auto tables = read_user_tables();
+  if (!tables) return tl::unexpected(tables.error());
+  auto material = find_material(spec.material, tables->texts);
+  if (material) return *material;
+  const Error error = tables->with_file(material.error());
+  return fail(error.place.empty() ? ErrorKind::OutOfRange : error.kind,
+              error.place.empty() ? spec_file + ": /material" : error.place, error.detail);
+}
+
+std::vector<likeness::Rgb> asset_colours(const std::string& spec_file, const SurfaceAssets& assets,
+                                         std::size_t triangles) {
+  for (const auto& [name, bytes] : assets)
+    if (const auto model =
+            model_in_colours(std::filesystem::path(spec_file).parent_path() / name, bytes))
+      return mean_colours(*model, triangles);
+  return {};
 }
 
 Result<void> print_placed_spec(const DesignSpec& spec, const std::string& spec_text,

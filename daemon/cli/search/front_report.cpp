@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "core/compare/printed_json.hpp"
 #include "core/text/json_text.hpp"
 #include "core/text/utf8.hpp"
 #include "daemon/cli/search/front_picture.hpp"
@@ -31,13 +32,6 @@ ordered_json settings_json(const Candidate& candidate) {
   return out;
 }
 
-ordered_json printed_json(const likeness::PrintedFigures& printed) {
-  return {{"colour", printed.colour},
-          {"contour", printed.contour},
-          {"cover", printed.cover},
-          {"looks", likeness::name_of(likeness::looks(printed))}};
-}
-
 ordered_json card_json(const planning::FoundCard& card, std::size_t k) {
   const likeness::Figures& f = card.figures;
   ordered_json out{
@@ -61,7 +55,7 @@ ordered_json card_json(const planning::FoundCard& card, std::size_t k) {
       {"settings", settings_json(card.candidate)}};
   if (card.made.book)
     out["page_mm"] = card.made.book->page_mm, out["width_mm"] = card.made.book->width_mm;
-  if (card.printed) out["printed"] = printed_json(*card.printed);
+  if (card.printed) out["printed"] = likeness::printed_json(*card.printed);
   auto warnings = ordered_json::array();
   for (const Design& part : card.made.parts)
     for (const Warning& warning : part.report.warnings) warnings.push_back(warning.message);
@@ -69,19 +63,19 @@ ordered_json card_json(const planning::FoundCard& card, std::size_t k) {
   return out;
 }
 
-/// The card of layers, with the figures that cards of one sheet have.
-ordered_json layers_json(const planning::FoundLayers& found) {
-  return {{"folder", "layers"},
+/// A card of layers or of boxes, with the figures that cards of one sheet have.
+ordered_json glued_json(const planning::FoundGlued& found) {
+  return {{"folder", found.style()},
           {"seconds", found.seconds},
           {"error", found.printed.error()},
-          {"pieces", found.sound.made.card.parts.size()},
+          {"pieces", found.card().parts.size()},
           {"folds", found.hands.folds},
           {"tabs", found.hands.tabs},
           {"shortest_fold_mm", found.hands.shortest_mm},
           {"hand_seconds", found.hands.time_s},
           {"label", found.hands.label},
-          {"wobble_mm", found.sound.report.wobble_mm.value_or(0.0)},
-          {"printed", printed_json(found.printed)}};
+          {"wobble_mm", found.wobble_mm()},
+          {"printed", likeness::printed_json(found.printed)}};
 }
 
 ordered_json usual_json(const planning::UsualCard& usual) {
@@ -135,7 +129,7 @@ std::string front_json(const ModelSearchOptions& options, const SearchedModel& m
     cards.push_back(card_json(found.front[k], k));
   for (const planning::UsualCard& one : found.usual) usual.push_back(usual_json(one));
   out["cards"] = std::move(cards), out["usual"] = std::move(usual);
-  if (model.layers) out["layers"] = layers_json(*model.layers);
+  for (const planning::FoundGlued& one : model.glued) out[one.style()] = glued_json(one);
   out["notes"] = found.notes;
   return json_file(out);
 }
@@ -163,15 +157,14 @@ std::string front_text(const ModelSearchOptions& options, const SearchedModel& m
                      : std::string(),
         card.error(), planning::settings_words(card.candidate));
   }
-  if (model.layers) {
-    const planning::FoundLayers& one = *model.layers;
+  for (const planning::FoundGlued& one : model.glued) {
     out += fmt::format(
-        "  layers   {} folds and {} tabs ({}), about {:.0f} min by hand, {:.1f} min to cut; looks "
+        "  {:<7}  {} folds and {} tabs ({}), about {:.0f} min by hand, {:.1f} min to cut; looks "
         "{}; "
-        "error {:.4f}; {} layers, opens flat\n",
-        one.hands.folds, one.hands.tabs, one.hands.label, std::max(1.0, one.hands.time_s / 60.0),
-        one.seconds / 60.0, likeness::name_of(likeness::looks(one.printed)), one.printed.error(),
-        one.sound.made.layers.size());
+        "error {:.4f}; {}, opens flat\n",
+        one.style(), one.hands.folds, one.hands.tabs, one.hands.label,
+        std::max(1.0, one.hands.time_s / 60.0), one.seconds / 60.0,
+        likeness::name_of(likeness::looks(one.printed)), one.printed.error(), one.made_of());
   }
   for (const std::string& note : found.notes) out += fmt::format("  note     {}\n", note);
   const double seen = 100.0 * found.seen_share;

@@ -108,7 +108,7 @@ Result<SearchedModel> search_model(const ModelSearchOptions& options,
   }
   out.found = std::move(*cards);
   out.found.notes.insert(out.found.notes.begin(), notes.begin(), notes.end());
-  out.layers = planning::layers_beside(asked, out.found);
+  out.glued = planning::glued_beside(asked, out.found);
   return out;
 }
 

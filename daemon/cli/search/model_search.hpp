@@ -11,7 +11,7 @@
 #include "core/result.hpp"
 #include "core/search/standing.hpp"
 #include "daemon/planning/search/card_search.hpp"
-#include "daemon/planning/search/layers_card.hpp"
+#include "daemon/planning/search/glued_card.hpp"
 
 namespace popcut::cli {
 
@@ -42,8 +42,8 @@ struct SearchedModel {
   planning::FoundCards found;
   /// The model in its colours; clay where they cannot be read. None: cards are shown bare.
   std::optional<ColourMesh> colours{};
-  /// A card of layers beside them; none: they are not asked for, or a note says why.
-  std::optional<planning::FoundLayers> layers{};
+  /// Cards of layers and of boxes beside them (`planning::glued_beside`).
+  std::vector<planning::FoundGlued> glued{};
 };
 
 /// Reads a mesh and searches its best cards (`planning::search_cards`).

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "core/compare/printed_json.hpp"
 #include "core/text/json_text.hpp"
 #include "core/text/utf8.hpp"
 
@@ -82,6 +83,17 @@ OrderedJson view_json(const likeness::ViewFigures& view) {
 
 std::size_t parts_to_glue(const PaperFigures& paper) { return paper.pieces > 1 ? paper.pieces : 0; }
 
+std::string line_of(const char* what, const std::string& words) {
+  return fmt::format("  {:<9}  {}\n", what, words);
+}
+
+std::string printed_lines(const likeness::PrintedFigures& p) {
+  return line_of("looks", fmt::format("{}, printed", likeness::name_of(likeness::looks(p)))) +
+         line_of("error",
+                 fmt::format("{:.4f} = colour {:.4f} + outline {:.4f} + not covered {:.4f}",
+                             p.error(), p.colour, p.contour, 1.0 - p.cover));
+}
+
 }  // namespace
 }  // namespace compare_report
 
@@ -90,13 +102,32 @@ std::optional<double> CompareReport::volume_error() const {
   return std::abs(model.mm3 - card.mm3) / model.mm3;
 }
 
+std::string compare_text(const PartsReport& report) {
+  using namespace compare_report;
+  return fmt::format("{} against {}\n", shown_text(report.pattern), shown_text(report.target)) +
+         line_of("views", fmt::format("9 {}, {} pixels wide",
+                                      report.opens_flat ? "from 20 to 60 degrees above the pages"
+                                                        : "about the diagonal",
+                                      report.pixels)) +
+         printed_lines(report.printed);
+}
+
+std::string compare_json(const PartsReport& report) {
+  return json_file(nlohmann::ordered_json{{"pattern", report.pattern},
+                                          {"target", report.target},
+                                          {"pixels", report.pixels},
+                                          {"opens_flat", report.opens_flat},
+                                          {"printed", likeness::printed_json(report.printed)},
+                                          {"error", report.printed.error()}});
+}
+
 std::string compare_text(const CompareReport& report) {
   using namespace compare_report;
   const likeness::Figures& f = report.figures;
   std::string out =
       fmt::format("{} against {}\n", shown_text(report.pattern), shown_text(report.target));
   const auto line = [&](const char* what, const std::string& words) {
-    out += fmt::format("  {:<9}  {}\n", what, words);
+    out += line_of(what, words);
   };
   line("model", placed_in_words(report));
   line("views",
@@ -125,11 +156,7 @@ std::string compare_text(const CompareReport& report) {
   }
   for (const std::string& note : report.notes) line("note", shown_text(note));
   if (report.printed) {
-    const likeness::PrintedFigures& p = *report.printed;
-    line("looks", fmt::format("{}, printed", likeness::name_of(likeness::looks(p))));
-    line("error", fmt::format("{:.4f} = colour {:.4f} + outline {:.4f} + not covered {:.4f}",
-                              p.error(), p.colour, p.contour, 1.0 - p.cover));
-    return out;
+    return out + printed_lines(*report.printed);
   }
   line("error", fmt::format("{:.4f} = surface {:.4f} + contour {:.4f} + not covered {:.4f}",
                             f.error(), f.surface(), f.contour(), 1.0 - f.cover));
@@ -165,11 +192,7 @@ std::string compare_json(const CompareReport& report) {
   }
   out["notes"] = report.notes;
   out["views"] = json_list(f.views, view_json);
-  if (report.printed)
-    out["printed"] = {{"colour", report.printed->colour},
-                      {"contour", report.printed->contour},
-                      {"cover", report.printed->cover},
-                      {"looks", likeness::name_of(likeness::looks(*report.printed))}};
+  if (report.printed) out["printed"] = likeness::printed_json(*report.printed);
   out["error"] = report.error();
   return json_file(out);
 }

@@ -54,6 +54,16 @@ struct CompareReport {
   [[nodiscard]] std::optional<double> volume_error() const;
 };
 
+/// What `popcut compare --printed` finds of a card of several parts.
+struct PartsReport {
+  std::string pattern, target;
+  int pixels{};
+  bool opens_flat{};  ///< seen from above its pages, else from around the diagonal
+  likeness::PrintedFigures printed;
+};
+[[nodiscard]] std::string compare_text(const PartsReport& report);
+[[nodiscard]] std::string compare_json(const PartsReport& report);
+
 /// The report in words, a line a figure, the error last.
 [[nodiscard]] std::string compare_text(const CompareReport& report);
 /// The report as JSON, the error last; lengths in the unit of their name.

@@ -26,13 +26,11 @@ daemon::FoundCardRecord record_of(const FoundCard& card) {
   return out;
 }
 
-daemon::FoundCardRecord record_of_layers(const FoundLayers& card) {
-  const Structure& made = card.sound.made.card;
-  const std::size_t layers = card.sound.made.layers.size();
+daemon::FoundCardRecord record_of_glued(const FoundGlued& card) {
+  const Structure& made = card.card();
   daemon::FoundCardRecord out;
-  out.style = "layers";
-  out.settings =
-      fmt::format("{} layer{} on a card that opens flat", layers, layers == 1 ? "" : "s");
+  out.style = card.style();
+  out.settings = fmt::format("{} on a card that opens flat", card.made_of());
   const likeness::PrintedFigures& f = card.printed;
   out.error = f.error(), out.surface = f.colour, out.contour = f.contour, out.cover = f.cover;
   out.looks = likeness::name_of(likeness::looks(f));
@@ -41,8 +39,8 @@ daemon::FoundCardRecord record_of_layers(const FoundLayers& card) {
   out.sheet_mm = {2.0 * made.page_mm, made.length_mm};
   out.folds = static_cast<int>(card.hands.folds), out.tabs = static_cast<int>(card.hands.tabs);
   out.shortest_fold_mm = card.hands.shortest_mm, out.hand_seconds = card.hands.time_s;
-  out.label = card.hands.label, out.wobble_mm = card.sound.report.wobble_mm.value_or(0.0);
-  out.warnings = card.sound.made.warnings;
+  out.label = card.hands.label, out.wobble_mm = card.wobble_mm();
+  out.warnings = card.warnings();
   out.spec = card.spec;
   return out;
 }
@@ -61,10 +59,11 @@ std::string settings_words(const Candidate& candidate) {
                      candidate.units);
 }
 
-daemon::SearchFront figures_of(const FoundCards& found, const std::optional<FoundLayers>& layers) {
+daemon::SearchFront figures_of(const FoundCards& found, std::span<const FoundGlued> glued) {
   daemon::SearchFront out;
   for (const FoundCard& card : found.front) out.cards.push_back(found_front_parts::record_of(card));
-  if (layers) out.cards.push_back(found_front_parts::record_of_layers(*layers));
+  for (const FoundGlued& card : glued)
+    out.cards.push_back(found_front_parts::record_of_glued(card));
   out.designed = static_cast<int>(found.counts.designed);
   out.planned = static_cast<int>(found.counts.planned);
   out.verified = static_cast<int>(found.counts.verified);

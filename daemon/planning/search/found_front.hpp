@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <optional>
+#include <span>
 #include <string>
 
 #include "core/search/candidate.hpp"
 #include "daemon/model/model.hpp"
 #include "daemon/planning/search/card_search.hpp"
-#include "daemon/planning/search/layers_card.hpp"
+#include "daemon/planning/search/glued_card.hpp"
 
 namespace popcut::planning {
 
@@ -16,8 +16,8 @@ namespace popcut::planning {
 
 /// The figures of what a search found, without its designs.
 ///
-/// @param layers  beside it
+/// @param glued  beside it
 [[nodiscard]] daemon::SearchFront figures_of(const FoundCards& found,
-                                             const std::optional<FoundLayers>& layers);
+                                             std::span<const FoundGlued> glued);
 
 }  // namespace popcut::planning

@@ -50,13 +50,17 @@ std::string shown_card(const std::string& spec, const Material& material, PatchA
   return shown_blob(made, LatticeQuality::Exact).value_or(std::string());
 }
 
-/// The card of layers, with what a page shows of it.
-Result<void> add_layers(const FoundLayers& found, const std::optional<ColourMesh>& model,
-                        int number, const FileSink& add) {
+/// A card of layers or of boxes, with what a page shows of it.
+Result<void> add_glued(const FoundGlued& found, const std::optional<ColourMesh>& model, int number,
+                       const FileSink& add) {
   auto png = thumbnail_png(found, model);
   if (!png) return tl::unexpected(png.error());
   if (auto done = add(thumbnail_file(number), std::move(*png)); !done) return done;
-  const PartsCard card{found.sound.made, std::nullopt, std::nullopt, found.sound.fold};
+  PartsCard card;
+  if (found.layers)
+    card.layers = found.layers->made, card.fold = found.layers->fold;
+  else
+    card.boxes = found.boxes->made, card.fold = found.boxes->fold;
   auto shown = shown_blob(card, LatticeQuality::Exact);
   return shown ? add(lattice_file(number), std::move(*shown)) : Result<void>();
 }
@@ -190,16 +194,16 @@ Result<daemon::PlanningOutcome> search(WorkerTask& task, const FileSink& add,
     return daemon::PlanningOutcome{};
   }
   if (!found) return tl::unexpected(in_request(found.error()));
-  const std::optional<FoundLayers> layers = layers_beside(asked, *found);
+  const std::vector<FoundGlued> glued = glued_beside(asked, *found);
   tell(progress, "drawing the cards");
   daemon::PlanningOutcome outcome;
   outcome.design_kind = "spec";
   outcome.assets = {wanted->model};
-  if (auto done = add(kFrontFile, front_text(figures_of(*found, layers))); !done)
+  if (auto done = add(kFrontFile, front_text(figures_of(*found, glued))); !done)
     return tl::unexpected(done.error());
   const bool are_drawn = std::all_of(found->front.begin(), found->front.end(),
                                      [](const FoundCard& card) { return !card.picture.empty(); });
-  const std::optional<ColourMesh> colours = wanted->plain || (are_drawn && !layers)
+  const std::optional<ColourMesh> colours = wanted->plain || (are_drawn && glued.empty())
                                                 ? std::nullopt
                                                 : colours_of(std::exchange(task.design, {}));
   for (std::size_t k = 0; k < found->front.size(); ++k) {
@@ -212,9 +216,9 @@ Result<daemon::PlanningOutcome> search(WorkerTask& task, const FileSink& add,
     if (auto done = add_card(card, static_cast<int>(k) + 1, add); !done)
       return tl::unexpected(done.error());
   }
-  if (layers)
-    if (auto done = add_layers(*layers, colours, static_cast<int>(found->front.size()) + 1, add);
-        !done)
+  int number = static_cast<int>(found->front.size());
+  for (const FoundGlued& card : glued)
+    if (auto done = add_glued(card, colours, ++number, add); !done)
       return tl::unexpected(done.error());
   return outcome;
 }

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/artwork/boxes_artwork.hpp"
 #include "core/artwork/design_artwork.hpp"
 #include "core/artwork/layers_artwork.hpp"
 #include "core/compare/picture.hpp"
@@ -64,15 +65,20 @@ Result<std::string> model_png(const FoundCard& card, const ColourMesh& model) {
   return model_picture(*design, kThumbnailHeight_px);
 }
 
-Result<std::string> thumbnail_png(const FoundLayers& card, const std::optional<ColourMesh>& model) {
+Result<std::string> thumbnail_png(const FoundGlued& card, const std::optional<ColourMesh>& model) {
   constexpr double kPixel_mm = 0.25;
-  const PrintedDesign design = printed_layers(card.sound.made, model);
+  const PrintedDesign design = card.layers ? printed_layers(card.layers->made, model)
+                                           : printed_boxes(card.boxes->made, model);
   ArtworkOptions how;
   how.pixel_mm = kPixel_mm;
   how.shade = usual_shade(design);
-  const auto artwork = layers_artwork(design.layers->card, design.layers->model, card.places, how);
+  const auto artwork =
+      design.layers ? layers_artwork(design.layers->card, design.layers->model, card.places, how)
+                    : boxes_artwork(design.boxes->card, design.boxes->model, card.places, how);
   if (!artwork) return tl::unexpected(artwork.error());
-  return print_picture(*design.layers, card.places, *artwork, false, kThumbnailHeight_px);
+  return design.layers
+             ? print_picture(*design.layers, card.places, *artwork, false, kThumbnailHeight_px)
+             : print_picture(*design.boxes, card.places, *artwork, false, kThumbnailHeight_px);
 }
 
 Result<std::string> thumbnail_png(const TriangleMesh& mesh, const FoundCard& card,

@@ -8,7 +8,7 @@
 #include "core/compare/comparison.hpp"
 #include "core/result.hpp"
 #include "daemon/planning/search/card_search.hpp"
-#include "daemon/planning/search/layers_card.hpp"
+#include "daemon/planning/search/glued_card.hpp"
 
 namespace popcut::planning {
 
@@ -32,10 +32,10 @@ inline constexpr int kThumbnailWidth_px = 800, kThumbnailHeight_px = 400;
 /// The model in its own colours, from where `thumbnail_png` shows its printed card first.
 [[nodiscard]] Result<std::string> model_png(const FoundCard& card, const ColourMesh& model);
 
-/// As `thumbnail_png` of a card of layers, always printed.
+/// As `thumbnail_png` of a card of layers or of boxes, always printed.
 ///
 /// @param model  none: clay
-[[nodiscard]] Result<std::string> thumbnail_png(const FoundLayers& card,
+[[nodiscard]] Result<std::string> thumbnail_png(const FoundGlued& card,
                                                 const std::optional<ColourMesh>& model);
 
 }  // namespace popcut::planning

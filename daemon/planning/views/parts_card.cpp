@@ -15,6 +15,7 @@
 #include "core/design/layers/layered_report.hpp"
 #include "core/design/slices/sliced_report.hpp"
 #include "core/geometry/triangulate.hpp"
+#include "core/judge/boxes_likeness.hpp"
 #include "core/judge/layers_likeness.hpp"
 #include "core/judge/parts_motion.hpp"
 #include "core/judge/sound_boxes.hpp"
@@ -55,7 +56,7 @@ std::vector<float> open_triangles(const judge::PartsMotion& moves) {
 std::string PartsCard::report() const {
   return layers   ? layered_report_json(*layers, judge::layers_likeness(*layers, {}), 0.0)
          : slices ? sliced_report_json(*slices, 0.0)
-                  : boxed_report_json(*boxes, 0.0);
+                  : boxed_report_json(*boxes, judge::boxes_likeness(*boxes, {}), 0.0);
 }
 
 Result<PartsCard> parts_card(const DesignSpec& spec, const SurfaceAssets& assets, bool is_checked,

@@ -138,10 +138,11 @@ Result<std::string> print_picture(const PrintedLayers& layers, std::span<const D
 }
 
 Result<std::string> print_picture(const PrintedBoxes& boxes, std::span<const DrawnPart> places,
-                                  const Artwork& artwork, int tile_px) {
+                                  const Artwork& artwork, bool with_model, int tile_px) {
   return print_picture_parts::open_picture(
       as_seen_in_front(boxes.card, boxes.model),
-      as_seen_in_front(boxes.card, standing_boxes(boxes.card, places, artwork)), true, tile_px);
+      as_seen_in_front(boxes.card, standing_boxes(boxes.card, places, artwork)), with_model,
+      tile_px);
 }
 
 }  // namespace popcut::planning

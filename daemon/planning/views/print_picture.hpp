@@ -28,15 +28,14 @@ namespace popcut::planning {
 /// As `print_picture` of a card of boxes or of layers: the model from the front and a little from
 /// above, the card from there and from both sides.
 ///
-/// @param places  of its parts (`Plan::parts`)
-[[nodiscard]] Result<std::string> print_picture(const PrintedBoxes& boxes,
-                                                std::span<const DrawnPart> places,
-                                                const Artwork& artwork, int tile_px = 480);
-
-/// The same of a card of layers.
-///
 /// @param places      of its parts (`Plan::parts`)
 /// @param with_model  false: two tiles of the card alone, from the front and from one side
+[[nodiscard]] Result<std::string> print_picture(const PrintedBoxes& boxes,
+                                                std::span<const DrawnPart> places,
+                                                const Artwork& artwork, bool with_model = true,
+                                                int tile_px = 480);
+
+/// The same of a card of layers.
 [[nodiscard]] Result<std::string> print_picture(const PrintedLayers& layers,
                                                 std::span<const DrawnPart> places,
                                                 const Artwork& artwork, bool with_model = true,

@@ -94,7 +94,7 @@ const FoundHall& found_hall() {
 
 }  // namespace
 
-TEST_CASE("beside cards of one sheet there is one of layers, judged by the same measure",
+TEST_CASE("beside cards of one sheet are those of layers and boxes, judged by the same measure",
           "[cli][e2e][auto]") {
   const AutoBench bench;
   const Ran ran = bench.search("hall.obj", "out", {"0.01", "--mat", "A4", "--any-hold"});
@@ -113,6 +113,32 @@ TEST_CASE("beside cards of one sheet there is one of layers, judged by the same 
   const json report = bench.read_json("out/layers/report.json");
   CHECK(report["printed"]["error"] == layers["error"]);
   CHECK(2 * report["page_mm"][0].get<double>() <= 297.0);
+  CHECK(ran.out.find("  boxes    ") != std::string::npos);
+  REQUIRE(front.contains("boxes"));
+  const json& boxes = front["boxes"];
+  CHECK(boxes["tabs"].get<int>() > 0);
+  CHECK(boxes["hand_seconds"] >= 45 * boxes["tabs"].get<int>());
+  CHECK(boxes["error"] < layers["error"]);  // a hall has four walls and a roof
+  CHECK(bench.popcut({"verify", "out/boxes/pattern.fold", "--dof", "1", "-q"}).exit == 0);
+  CHECK(2 * bench.read_json("out/boxes/report.json")["page_mm"][0].get<double>() <= 297.0);
+  // 'popcut compare' says the same of them.
+  for (const std::string style : {"layers", "boxes"}) {
+    const std::string folder = "out/" + style;
+    const Ran compared = bench.popcut(
+        {"compare", folder + "/pattern.fold", folder + "/spec.json", "--printed", "--json"});
+    INFO(compared.err);
+    REQUIRE(compared.exit == 0);
+    const json figures = json::parse(compared.out);
+    CHECK(figures["error"] == front[style]["error"]);
+    CHECK(figures["printed"] == bench.read_json(folder + "/report.json")["printed"]);
+  }
+  check_refused(
+      bench.popcut({"compare", "out/boxes/pattern.fold", "out/layers/spec.json", "--printed"}), 3,
+      "is not the card that this popcut makes");
+  check_refused(bench.popcut({"compare", "out/boxes/pattern.fold", "hall.obj", "--printed"}), 3,
+                "give the .json that it was designed from");
+  check_refused(bench.popcut({"compare", "out/boxes/pattern.fold", "out/boxes/spec.json"}), 3,
+                "add --printed");
 }
 
 TEST_CASE("a model alone becomes a front of cards that are verified, made again and fit the mat",

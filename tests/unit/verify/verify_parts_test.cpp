@@ -13,6 +13,7 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include "core/design/boxes/boxed_report.hpp"
 #include "core/design/layers/layer_masks.hpp"
 #include "core/design/layers/layer_outline.hpp"
 #include "core/design/layers/layered_report.hpp"
@@ -20,6 +21,7 @@
 #include "core/design/slices/thin_walls.hpp"
 #include "core/design/spec/spec.hpp"
 #include "core/geometry/angle.hpp"
+#include "core/judge/boxes_likeness.hpp"
 #include "core/judge/glue_guide.hpp"
 #include "core/judge/glue_order.hpp"
 #include "core/judge/layers_likeness.hpp"
@@ -1353,6 +1355,21 @@ TEST_CASE("a house, a church and a barn are boxes of few panels, less than 1 % o
     CHECK(made.boxes[0].block.top_mm() == Approx(100.0).margin(1.0));
     CHECK(made.boxes[1].block.from_mm - made.boxes[0].block.to_mm ==
           Approx(made.card.thickness_mm));
+    // Printed, it has the colours of the model.
+    const likeness::PrintedFigures clay = judge::boxes_likeness(made, {}, 96);
+    CHECK(clay.error() < 0.2);
+    CHECK(clay.cover > 0.8);
+    std::vector<likeness::Rgb> colours(made.target.size(), {20, 40, 200});
+    for (std::size_t t = 0; t < colours.size(); t += 2) colours[t] = {220, 30, 20};
+    CHECK(judge::boxes_likeness(made, colours, 96).colour < 0.2);
+    BoxedCard low = made;  // without the tower less of the model is there
+    std::erase_if(low.boxes, [](const CardBox& box) { return box.first_part == 1; });
+    low.card.parts[1].tabs.clear();
+    for (std::uint32_t f = 0; f < low.card.parts[1].faces.size(); ++f)
+      low.card.parts[1].tabs.push_back(f);
+    CHECK(judge::boxes_likeness(low, {}, 96).cover < clay.cover);
+    CHECK(Json::parse(boxed_report_json(made, clay, 0.0))["printed"]["error"] ==
+          Approx(clay.error()));
     // Nobody reaches into a tower: its inner wall is glued before it is closed.
     const auto guide = judge::glue_guide(sound.fold);
     if (!guide) FAIL(message(guide.error()));
