@@ -23,7 +23,7 @@ struct ComparedParts {
 /// @param pattern  its FOLD file
 /// @param design   the spec that it was designed from
 /// @retval OutOfRange  `design` is no design, its style is not one that is printed with colours, or
-///                     it makes another card; else as `layered_card` and `designed_boxes`
+///                     it makes another card; else as `layered_card` and `judge::sound_boxes`
 [[nodiscard]] Result<ComparedParts> compare_parts(const std::string& pattern,
                                                   const std::string& design, int pixels,
                                                   const Progress& progress);

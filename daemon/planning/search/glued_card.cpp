@@ -62,7 +62,7 @@ std::string broken_limit(const FoundGlued& found, const GluedRequest& request) {
 Result<Structure> sized_card(const DesignSpec& spec, const SurfaceAssets& assets) {
   const auto card = [](auto&& made) { return std::move(made.card); };
   return spec.style == DesignStyle::Layers ? layered_card(spec, assets).map(card)
-                                           : judge::designed_boxes(spec, assets).map(card);
+                                           : boxed_card(spec, assets).map(card);
 }
 
 /// Proves the card of a spec, and compares it printed.
