@@ -187,7 +187,7 @@ std::string firmer(const TentSection& loose, double most_play_mm) {
   const int first_deg = static_cast<int>(degrees(loose.slope_rad)) + 1;
   for (int deg = first_deg; ways.empty() && deg <= kSteepest_deg; ++deg)
     if (is_firm(loose.foot_mm, radians(deg)))
-      ways.push_back(fmt::format("make it fall at {} degrees or more", deg));
+      ways.push_back(fmt::format("make it fall at about {} degrees or more", deg));
   const auto most_mm = static_cast<int>(kMostMove * loose.foot_mm);
   const std::size_t before = ways.size();
   for (int mm = 1; ways.size() == before && mm <= most_mm; ++mm)
