@@ -289,8 +289,8 @@ test('a model becomes a card of layers: searched, shown, pulled apart, glued ste
   const { page, sent, complaints, close } = await desk({ style: 'any' });
   await give(page, 'house.obj', house());
   await found(page);
-  const layers = page.locator('.found-card').last();
-  assert.match(await layers.innerText(), /^\d+ folds, \d+ glued tabs, shortest [\d.]+ mm, (about \d+ minutes?|under a minute) to fold and glue, .* to cut; looks: (good|fair|poor)$/);
+  const [layers, boxes] = [page.locator('.found-card').nth(-2), page.locator('.found-card').last()];
+  for (const glued of [layers, boxes]) assert.match(await glued.innerText(), /^\d+ folds, \d+ glued tabs, shortest [\d.]+ mm, (about \d+ minutes?|under a minute) to fold and glue, .* to cut; looks: (good|fair|poor)$/);
   await page.locator('.found-card[aria-pressed=true]').waitFor();   // the recommended one is on the desk by itself
   const before = await specOf(page);
   const previews = () => sent.filter((one) => one.path === '/v1/preview').length;
@@ -298,6 +298,9 @@ test('a model becomes a card of layers: searched, shown, pulled apart, glued ste
   await layers.scrollIntoViewIfNeeded();
   await until(async () => (await layers.locator('img').count()) === 1, 'its picture is there');
   assert.deepEqual(await layers.locator('img').evaluate((one) => [one.naturalWidth, one.naturalHeight]), [800, 400]);
+  await pick(boxes);
+  await exact(page);
+  assert.equal((await specOf(page)).style, 'boxes');
   await pick(layers);
   await exact(page);
   const spec = await specOf(page);
@@ -374,10 +377,10 @@ test('a model becomes a card of layers: searched, shown, pulled apart, glued ste
   await until(async () => (await rows.locator('th').allInnerTexts()).includes('x0'), 'slices are shown');
   await picture(page, 'parts-slices');
   await page.getByLabel('Name of the design').waitFor();
-  await page.getByRole('button', { name: 'Undo' }).click();
-  await exact(page);
-  await page.getByRole('button', { name: 'Undo' }).click();
-  await exact(page);
+  for (let step = 0; step < 3; step++) {   // to the layers, the boxes, the recommended card
+    await page.getByRole('button', { name: 'Undo' }).click();
+    await exact(page);
+  }
   assert.deepEqual(await specOf(page), before);
   await page.getByLabel('Style').selectOption('layers');
   await exact(page);
