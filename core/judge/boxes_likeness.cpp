@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "core/judge/boxes_likeness.hpp"
 
-#include <algorithm>
 #include <vector>
-
-#include "core/geometry/triangulate.hpp"
 
 namespace popcut::judge {
 
@@ -12,27 +9,11 @@ likeness::PrintedFigures boxes_likeness(const BoxedCard& made,
                                         std::span<const likeness::Rgb> colours, int pixels) {
   const bool turns = made.faces_along_spine();
   const std::vector<float> target = seen_in_front(made.target, turns);
-  const PartPoses pose = open_pose(made);
-  const Structure& card = made.card;
   std::vector<std::vector<float>> faces;
   std::vector<double> near_mm;
-  for (std::size_t p = 0; p < card.parts.size(); ++p) {
-    if (made.is_inner(p)) continue;
-    const SheetPart& part = card.parts[p];
-    for (std::uint32_t f = 0; f < part.faces.size(); ++f) {
-      std::vector<Triangle> cut;
-      if ((p == 0 && (f == card.pages[0] || f == card.pages[1])) ||
-          std::find(part.tabs.begin(), part.tabs.end(), f) != part.tabs.end() ||
-          !triangulate(part.vertices, part.faces[f], cut))
-        continue;
-      const auto at = [&](std::uint32_t v) {
-        return Vec3(pose[p][f] * Vec3{part.vertices[v].x(), part.vertices[v].y(), 0.0});
-      };
-      TriangleSoup face;
-      for (const auto& [a, b, c] : cut) face.add(at(a), at(b), at(c));
-      faces.push_back(seen_in_front(face, turns));
-      near_mm.push_back(made.is_bare(p) ? -1.0 : made.near_mm(p));
-    }
+  for (const OpenPanel& panel : open_panels(made)) {
+    faces.push_back(seen_in_front(panel.triangles, turns));
+    near_mm.push_back(made.is_bare(panel.part) ? -1.0 : made.near_mm(panel.part));
   }
   std::vector<likeness::PrintedPanel> panels;
   for (std::size_t k = 0; k < faces.size(); ++k) panels.push_back({faces[k], near_mm[k]});

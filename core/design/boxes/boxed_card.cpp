@@ -237,28 +237,6 @@ Result<double> length_for(const std::optional<double>& given, double needed, con
   return *given;
 }
 
-/// The panels of a card in space that are seen: no tabs, no pages, no inner walls.
-TriangleSoup panels_in_space(const BoxedCard& made, const PartPoses& pose) {
-  const Structure& card = made.card;
-  TriangleSoup out;
-  for (std::size_t p = 0; p < card.parts.size(); ++p) {
-    if (made.is_inner(p)) continue;
-    const SheetPart& part = card.parts[p];
-    for (std::uint32_t f = 0; f < part.faces.size(); ++f) {
-      std::vector<Triangle> triangles;
-      if ((p == 0 && (f == card.pages[0] || f == card.pages[1])) ||
-          std::find(part.tabs.begin(), part.tabs.end(), f) != part.tabs.end() ||
-          !triangulate(part.vertices, part.faces[f], triangles))
-        continue;
-      const auto at = [&](std::uint32_t v) {
-        return Vec3(pose[p][f] * Vec3{part.vertices[v].x(), part.vertices[v].y(), 0.0});
-      };
-      for (const auto& [a, b, c] : triangles) out.add(at(a), at(b), at(c));
-    }
-  }
-  return out;
-}
-
 /// What of a target a person sees on the pages, which lie below its foot.
 TriangleSoup shown_of(const TriangleSoup& whole) {
   constexpr std::size_t kSeenCells = 700;
@@ -307,8 +285,35 @@ std::vector<float> seen_in_front(const TriangleSoup& soup, bool faces_along_spin
   return out;
 }
 
+std::vector<OpenPanel> open_panels(const BoxedCard& made) {
+  const Structure& card = made.card;
+  const PartPoses pose = open_pose(made);
+  std::vector<OpenPanel> out;
+  for (std::size_t p = 0; p < card.parts.size(); ++p) {
+    if (made.is_inner(p)) continue;
+    const SheetPart& part = card.parts[p];
+    for (std::uint32_t f = 0; f < part.faces.size(); ++f) {
+      std::vector<Triangle> triangles;
+      if ((p == 0 && (f == card.pages[0] || f == card.pages[1])) ||
+          std::find(part.tabs.begin(), part.tabs.end(), f) != part.tabs.end() ||
+          !triangulate(part.vertices, part.faces[f], triangles))
+        continue;
+      const auto at = [&](std::uint32_t v) {
+        return Vec3(pose[p][f] * Vec3{part.vertices[v].x(), part.vertices[v].y(), 0.0});
+      };
+      OpenPanel panel{p, {}};
+      for (const auto& [a, b, c] : triangles) panel.triangles.add(at(a), at(b), at(c));
+      out.push_back(std::move(panel));
+    }
+  }
+  return out;
+}
+
 void measure(BoxedCard& out) {
-  const TriangleSoup panels = panels_in_space(out, open_pose(out));
+  TriangleSoup panels;
+  for (const OpenPanel& panel : open_panels(out))
+    panels.corners.insert(panels.corners.end(), panel.triangles.corners.begin(),
+                          panel.triangles.corners.end());
   const TriangleSoup shown = shown_of(out.target);
   out.fit = FitTarget(shown).measure(panels);
   out.fit.out_of_reach = {};

@@ -103,7 +103,16 @@ struct BoxedCard {
 [[nodiscard]] Result<BoxedCard> boxed_card(const DesignSpec& spec, const SurfaceAssets& assets,
                                            const Progress& progress = {});
 
-/// Compares the panels of the open card, all but pages, tabs and inner walls, with the target.
+/// A panel of the open card.
+struct OpenPanel {
+  std::size_t part{};
+  TriangleSoup triangles;  ///< counter-clockwise on the printed side, mm
+};
+
+/// The panels of the open card: all faces but pages, tabs and inner walls.
+[[nodiscard]] std::vector<OpenPanel> open_panels(const BoxedCard& made);
+
+/// Compares the panels of the open card (`open_panels`) with the target.
 void measure(BoxedCard& made);
 
 /// All faces at an opening of the pages; z up, x to the right along u. Both pages slope alike, or

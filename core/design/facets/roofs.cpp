@@ -201,6 +201,13 @@ std::string words_of(const RoofPlane& roof) {
   return fmt::format("the roof that falls at {:.0f} degrees", degrees(roof.slope_rad));
 }
 
+std::string does_not_fit(const RoofPlane& roof) {
+  return fmt::format(
+      "does not fit the card: it reaches {:.1f} mm forward and {:.1f} mm up; leave wall_mm and "
+      "ground_mm out, or make the shape smaller",
+      roof.eave.x, roof.top.z);
+}
+
 /// Stretches of strips where a roof is seen and no kite is yet.
 std::vector<std::pair<int, int>> stretches(const SeenTarget& seen, const FacetGrid& grid,
                                            const RoofPlane& roof,
@@ -224,12 +231,7 @@ double RoofPlane::length_mm() const { return std::hypot(eave.x - top.x, top.z - 
 std::string RefusedRoof::reason() const {
   if (!no_tent.empty()) return no_tent;
   const double slope = roof.slope_rad, length = roof.length_mm();
-  if (!is_too_long)
-    return fmt::format(
-        "{} does not fit the card: it reaches "
-        "{:.1f} mm forward and {:.1f} mm up; leave wall_mm and ground_mm out, or make "
-        "the shape smaller",
-        words_of(roof), roof.eave.x, roof.top.z);
+  if (!is_too_long) return fmt::format("{} {}", words_of(roof), does_not_fit(roof));
   const double at_eave = longest_at_eave_mm(roof.eave.x, slope),
                at_ridge = longest_at_ridge_mm(roof.top.z, slope);
   const double far = length / std::tan(0.25 * kPi - 0.5 * slope);
@@ -353,10 +355,7 @@ TentPlan plan_tents(const TriangleSoup& target, const SeenTarget& seen, const Fa
       if (far < least) least = far, best = tent;
     }
     if (!best) {
-      refuse(
-          fmt::format("does not fit the card: it reaches {:.1f} mm forward and {:.1f} mm up; "
-                      "leave wall_mm and ground_mm out, or make the shape smaller",
-                      roof.eave.x, roof.top.z));
+      refuse(does_not_fit(roof));
       continue;
     }
     const TentSection& asked = best->section;

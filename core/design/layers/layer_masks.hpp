@@ -25,13 +25,13 @@ struct LayerGrid {
 struct LayerLook {
   double fall{};  ///< how far a ray falls for each mm that it goes back: the tangent of its angle
   double bend{};  ///< how far paper lies farther back for each mm beside the middle; else nearer
+  /// The foremost layer goes back from a broad front of the target, which would sink into the page.
+  bool lifts_front{};
 
   /// How far behind its own middle the paper lies `aside_mm` beside it.
   [[nodiscard]] double behind_mm(double aside_mm) const {
     return bend * (aside_mm < 0.0 ? -aside_mm : aside_mm);
   }
-  /// The foremost layer goes back from a broad front of the target, which would sink into the page.
-  bool lifts_front{};
   /// The share of that by which the picture on a layer is raised.
   [[nodiscard]] double raised_share(std::size_t layer) const {
     return layer == 0 && lifts_front ? 1.0 : 0.0;

@@ -10,6 +10,7 @@
 #include "core/judge/layers_likeness.hpp"
 #include "core/text/file_kind.hpp"
 #include "core/text/fold_text.hpp"
+#include "core/text/json_text.hpp"
 #include "daemon/cli/input/model_file.hpp"
 #include "daemon/cli/input/spec_assets.hpp"
 #include "daemon/files/output_folder.hpp"
@@ -22,15 +23,12 @@ namespace {
 
 constexpr std::uintmax_t kMostPartsBytes = 1u << 26;
 
-/// Whether two FOLD files are the same card, whichever version of popcut wrote them.
-bool are_same(const std::string& one, const std::string& other) {
-  const auto read = [](const std::string& text) {
-    auto json = nlohmann::json::parse(text, nullptr, false);
-    if (json.is_object()) json.erase("file_creator");
-    return json;
-  };
-  const auto card = read(one);
-  return card.is_object() && card == read(other);
+/// A FOLD file without what differs from one version of popcut to the next.
+Result<nlohmann::json> card_json(const std::string& file, const std::string& text) {
+  auto json = parse_json(text);
+  if (!json) return tl::unexpected(within(file, json.error()));
+  if (json->is_object()) json->erase("file_creator");
+  return json;
 }
 
 }  // namespace
@@ -67,7 +65,9 @@ Result<ComparedParts> compare_parts(const std::string& pattern, const std::strin
   if (!assets) return tl::unexpected(within(design, assets.error()));
   const auto made = planning::parts_card(*spec, *assets, false, progress);
   if (!made) return tl::unexpected(within(design, made.error()));
-  if (!are_same(*card, made->fold))
+  const auto given = card_json(pattern, *card);
+  if (!given) return tl::unexpected(given.error());
+  if (*given != card_json(design, made->fold).value())
     return fail(ErrorKind::OutOfRange, pattern,
                 fmt::format("is not the card that this popcut makes from {}; give its own design, "
                             "or design it again",

@@ -63,9 +63,8 @@ struct FoundGlued {
 /// Makes a card of layers or of boxes as large as fits, proves it, plans it and compares it
 /// printed.
 ///
-/// @retval Infeasible  it cannot be made, or breaks a limit; the detail says which, and the place
-/// is
-///                     that in its design or empty
+/// @retval Infeasible  it cannot be made (with the place in its design), or it breaks a limit
+///                     (without a place); the detail says which
 [[nodiscard]] Result<FoundGlued> glued_card(const GluedRequest& request);
 
 /// The cards of layers and of boxes beside the cards that a search found, with the model as it
