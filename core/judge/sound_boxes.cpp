@@ -37,25 +37,32 @@ Result<SoundBoxes> sound_boxes(const DesignSpec& spec, const SurfaceAssets& asse
     auto made = has_tents(spec) ? tented_card(spec, assets, most_play_mm, progress)
                                 : boxed_card(spec, assets, progress);
     if (!made) return tl::unexpected(made.error());
-    auto fold = structure_fold(made->card, creator);
-    if (!fold) return tl::unexpected(fold.error());
-    auto report = sound_report(*fold, "try another size", progress);
-    if (!report) return tl::unexpected(report.error());
+    auto sound = sound_boxes(std::move(*made), creator, progress);
+    if (!sound) return sound;
+    const PartsVerifyReport& report = sound->report;
     // Less than the play of one of its roofs, so the next card lacks that roof.
-    if (const auto play_mm = roof_play_for(*made, *report)) {
+    if (const auto play_mm = roof_play_for(sound->made, report)) {
       most_play_mm = *play_mm;
       continue;
     }
-    made->wobble_mm = report->wobble_mm;
-    if (has_tents(spec) && report->wobble_mm.value_or(0.0) > kHolds_mm)
-      made->warnings.push_back(
+    if (has_tents(spec) && report.wobble_mm.value_or(0.0) > kHolds_mm)
+      sound->made.warnings.push_back(
           {.code = "moves_in_paper",
-           .message =
-               fmt::format("{} moves by {:.2f} mm where folds are {:g} mm off their lines; "
-                           "make panels hold at places farther apart",
-                           report->wobbles_most, *report->wobble_mm, hands::Play{}.line_mm)});
-    return SoundBoxes{std::move(*made), std::move(*fold), std::move(*report)};
+           .message = fmt::format("{} moves by {:.2f} mm where folds are {:g} mm off their lines; "
+                                  "make panels hold at places farther apart",
+                                  report.wobbles_most, *report.wobble_mm, hands::Play{}.line_mm)});
+    return sound;
   }
+}
+
+Result<SoundBoxes> sound_boxes(BoxedCard made, const std::string& creator,
+                               const Progress& progress) {
+  auto fold = structure_fold(made.card, creator);
+  if (!fold) return tl::unexpected(fold.error());
+  auto report = sound_report(*fold, "try another size", progress);
+  if (!report) return tl::unexpected(report.error());
+  made.wobble_mm = report->wobble_mm;
+  return SoundBoxes{std::move(made), std::move(*fold), std::move(*report)};
 }
 
 }  // namespace popcut::judge

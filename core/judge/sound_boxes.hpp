@@ -25,5 +25,8 @@ struct SoundBoxes {
 [[nodiscard]] Result<SoundBoxes> sound_boxes(const DesignSpec& spec, const SurfaceAssets& assets,
                                              const std::string& creator,
                                              const Progress& progress = {});
+/// Judges a card that is designed already, with all of its roofs.
+[[nodiscard]] Result<SoundBoxes> sound_boxes(BoxedCard made, const std::string& creator,
+                                             const Progress& progress = {});
 
 }  // namespace popcut::judge

@@ -43,11 +43,16 @@ Result<SoundLayers> sound_layers(const DesignSpec& spec, const SurfaceAssets& as
                                  const std::string& creator, const Progress& progress) {
   auto made = layered_card(spec, assets, progress);
   if (!made) return tl::unexpected(made.error());
-  auto fold = structure_fold(made->card, creator);
+  return sound_layers(std::move(*made), creator, progress);
+}
+
+Result<SoundLayers> sound_layers(LayeredCard made, const std::string& creator,
+                                 const Progress& progress) {
+  auto fold = structure_fold(made.card, creator);
   if (!fold) return tl::unexpected(fold.error());
   auto report = sound_report(*fold, "try other layers or another size", progress);
   if (!report) return tl::unexpected(report.error());
-  return SoundLayers{std::move(*made), std::move(*fold), std::move(*report)};
+  return SoundLayers{std::move(made), std::move(*fold), std::move(*report)};
 }
 
 }  // namespace popcut::judge

@@ -31,5 +31,8 @@ struct SoundLayers {
 [[nodiscard]] Result<SoundLayers> sound_layers(const DesignSpec& spec, const SurfaceAssets& assets,
                                                const std::string& creator,
                                                const Progress& progress = {});
+/// The same of a card that is designed already.
+[[nodiscard]] Result<SoundLayers> sound_layers(LayeredCard made, const std::string& creator,
+                                               const Progress& progress = {});
 
 }  // namespace popcut::judge

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <utility>
+#include <variant>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -58,24 +59,25 @@ std::string broken_limit(const FoundGlued& found, const GluedRequest& request) {
   return {};
 }
 
-/// The card of a spec, not yet proved.
-Result<Structure> sized_card(const DesignSpec& spec, const SurfaceAssets& assets) {
-  const auto card = [](auto&& made) { return std::move(made.card); };
-  return spec.style == DesignStyle::Layers ? layered_card(spec, assets).map(card)
-                                           : boxed_card(spec, assets).map(card);
+/// A card that is not yet proved.
+using DesignedCard = std::variant<LayeredCard, BoxedCard>;
+
+Result<DesignedCard> designed_card(const DesignSpec& spec, const SurfaceAssets& assets) {
+  const auto any = [](auto&& made) { return DesignedCard(std::forward<decltype(made)>(made)); };
+  return spec.style == DesignStyle::Layers ? layered_card(spec, assets).map(any)
+                                           : boxed_card(spec, assets).map(any);
 }
 
-/// Proves the card of a spec, and compares it printed.
-Result<void> add_sound(const DesignSpec& spec, const SurfaceAssets& assets,
-                       const GluedRequest& request, FoundGlued& out) {
-  if (spec.style == DesignStyle::Layers) {
-    auto sound = judge::sound_layers(spec, assets, "popcut", request.progress);
+/// Proves a card, and compares it printed.
+Result<void> add_sound(DesignedCard made, const GluedRequest& request, FoundGlued& out) {
+  if (auto* const layered = std::get_if<LayeredCard>(&made)) {
+    auto sound = judge::sound_layers(std::move(*layered), "popcut", request.progress);
     if (!sound) return tl::unexpected(sound.error());
     out.layers = std::move(*sound);
     out.printed = judge::layers_likeness(out.layers->made, request.colours);
     return {};
   }
-  auto sound = judge::sound_boxes(spec, assets, "popcut", request.progress);
+  auto sound = judge::sound_boxes(std::get<BoxedCard>(std::move(made)), "popcut", request.progress);
   if (!sound) return tl::unexpected(sound.error());
   out.boxes = std::move(*sound);
   out.printed = judge::boxes_likeness(out.boxes->made, request.colours);
@@ -113,9 +115,11 @@ Result<FoundGlued> glued_card(const GluedRequest& request) {
     auto spec = parse_design_spec(text);
     if (!spec) return tl::unexpected(spec.error());
     spec->surface = MeshSpec{kGluedAsset};
-    const auto sized = sized_card(*spec, assets);
-    if (!sized) return tl::unexpected(sized.error());
-    const double room = room_for(*sized, area_mm);
+    auto designed = designed_card(*spec, assets);
+    if (!designed) return tl::unexpected(designed.error());
+    const double room = room_for(
+        std::visit([](const auto& card) -> const Structure& { return card.card; }, *designed),
+        area_mm);
     constexpr double kFull = 0.9;  // of the area: larger is not worth another try
     if (room < 1.0 || (room > 1.0 / kFull && k + 1 < kMostGluedSizes)) {
       scale_mm *= kSlack * room;
@@ -123,7 +127,7 @@ Result<FoundGlued> glued_card(const GluedRequest& request) {
     }
     FoundGlued made;
     made.spec = std::move(text);
-    if (auto done = add_sound(*spec, assets, request, made); !done)
+    if (auto done = add_sound(std::move(*designed), request, made); !done)
       return tl::unexpected(done.error());
     out = std::move(made);
     break;

@@ -46,7 +46,7 @@ TEST_CASE("a design that takes long shows at a terminal what it does and what is
   bench.write("long.json", {{"popcut", 1},
                             {"surface", {{"type", "revolution"}, {"radius", "sqrt(36 - y^2)"}}},
                             {"scale_mm", 60},
-                            {"units_per_slice", 50},
+                            {"units_per_slice", 120},
                             {"slices", 200},
                             {"widths_mm", 1.2},
                             {"min_panel_mm", 0.1},
