@@ -370,15 +370,15 @@ class Planner {
   /// Warns of lines that run so close beside others that a knife cuts the same place twice.
   void tell_doubles(const LineWork& work) {
     if (!options_.tells_doubles || dashed_) return;
-    const SinglePass single = in_one_pass(work, kHardlyMeantMm);
-    if (!(single.doubled_mm > 0.0)) return;
+    const DoubledLines doubled = doubled_lines(work, kHardlyMeantMm);
+    if (!(doubled.doubled_mm > 0.0)) return;
     out_.warnings.push_back(
         {.code = "double_lines",
          .message = fmt::format(
              "{:.0f} mm of lines run within {:.2f} mm of another line, so that place is cut twice; "
              "use `one-pass` {:.2f} to cut it once",
-             std::ceil(single.doubled_mm), single.apart_mm,
-             std::min(kMostOnePass, std::ceil(100.0 * single.apart_mm + 1.0) / 100.0)),
+             std::ceil(doubled.doubled_mm), doubled.apart_mm,
+             std::min(kMostOnePass, std::ceil(100.0 * doubled.apart_mm + 1.0) / 100.0)),
          .spoils = true});
   }
 

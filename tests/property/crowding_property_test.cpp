@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include <cmath>
 #include <random>
+#include <vector>
 
 #include <catch2/catch.hpp>
 
 #include "core/drawing/clean.hpp"
 #include "core/drawing/collinear.hpp"
+#include "core/drawing/near_lines.hpp"
+#include "core/geometry/angle.hpp"
 #include "core/geometry/overlap.hpp"
 
 namespace crowding_property_test {
@@ -80,6 +83,56 @@ TEST_CASE("all edges that overlap another are checked again", "[core][plan][clea
   CHECK(sharing > 1500);
   CHECK(marked < 2 * sharing);
   CHECK(marked < all);
+}
+
+TEST_CASE(
+    "what runs beside other lines is the same wherever the drawing lies and however it is turned",
+    "[core][plan][clean]") {
+  constexpr double kWithin = 0.3, kStep = 0.25;
+  double found = 0.0;
+  for (std::uint32_t seed = 1; seed <= 30; ++seed) {
+    CAPTURE(seed);
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> chance(0, 1);
+    std::vector<std::vector<PagePoint>> lines;
+    for (int k = 0; k < 60; ++k) {
+      std::vector<PagePoint> line{{80 * chance(random), 80 * chance(random)}};
+      double turn = 2 * kPi * chance(random);
+      for (int corner = 0; corner < 1 + k % 4; ++corner) {
+        const double mm = 2 + 20 * chance(random);
+        line.push_back({line.back().x + mm * std::cos(turn), line.back().y + mm * std::sin(turn)});
+        turn += chance(random) - 0.5;
+      }
+      lines.push_back(line);
+      // Its twin beside it; a little shorter, so that their order is certain.
+      if (k % 3 != 0) continue;
+      for (PagePoint& p : line) p = {p.x + 0.1, p.y + 0.1 * chance(random)};
+      line.back() = between(line.back(), line[line.size() - 2], 0.1);
+      lines.push_back(line);
+    }
+    const auto moved = [&](double angle, double dx, double dy) {
+      LineWork work;
+      for (std::vector<PagePoint> line : lines) {
+        for (PagePoint& p : line)
+          p = {dx + p.x * std::cos(angle) - p.y * std::sin(angle),
+               dy + p.x * std::sin(angle) + p.y * std::cos(angle)};
+        work.append(Operation::Cut, line);
+      }
+      return doubled_lines(work, kWithin);
+    };
+    const DoubledLines still = moved(0, 0, 0);
+    CHECK(still.doubled_mm > 50.0);
+    CHECK(still.apart_mm <= kWithin);
+    found += still.doubled_mm;
+    for (int k = 0; k < 6; ++k) {
+      const DoubledLines other =
+          moved(2 * kPi * chance(random), 3000 * (chance(random) - 0.5), 500 * chance(random));
+      // A step at the limit may fall to either side by rounding.
+      CHECK(other.doubled_mm == Approx(still.doubled_mm).margin(2 * kStep));
+      CHECK(other.apart_mm == Approx(still.apart_mm).margin(0.01));
+    }
+  }
+  CHECK(found > 3000.0);
 }
 
 }  // namespace crowding_property_test
