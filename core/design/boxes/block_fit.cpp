@@ -17,12 +17,15 @@ constexpr double kLeastPitch = 0.12;  ///< of a sloped roof: rise over half widt
 constexpr double kFarEnd = 0.25;      ///< of a block's length: so near its end its wall must be
 constexpr double kRoofWithin = 0.06;  ///< of the height: what is nearer to a roof is part of it
 
-double median(std::vector<double> of) {
+/// The middle one of some values, which are put in another order. Its comparison is a type of its
+/// own: a build for tests optimises this folder, and must not take `nth_element` from another one.
+double median_within(std::vector<double>& of) {
   if (of.empty()) return std::numeric_limits<double>::quiet_NaN();
   const auto middle = of.begin() + static_cast<std::ptrdiff_t>(of.size() / 2);
-  std::nth_element(of.begin(), middle, of.end());
+  std::nth_element(of.begin(), middle, of.end(), [](double a, double b) { return a < b; });
   return *middle;
 }
+double median(std::vector<double> of) { return median_within(of); }
 
 /// The stretch of `width` that most of some places lie in: how many, and their median.
 struct Mode {
@@ -82,6 +85,7 @@ struct RoofFit {
 RoofFit fit_roof(const HeightMaps& maps, Rows rows, const Block& block, BlockRoof roof) {
   constexpr std::size_t kMostPlaces = 3000;
   constexpr int kRounds = 12;
+  constexpr double kSettled = 1e-4;  // of the height: finer than any cell
   const BlockGrid& grid = maps.grid;
   const double cells =
       2.0 * block.half_mm / grid.cell_mm * static_cast<double>(rows.to - rows.from);
@@ -97,13 +101,14 @@ RoofFit fit_roof(const HeightMaps& maps, Rows rows, const Block& block, BlockRoo
     }
   RoofFit out;
   if (places.size() < 4) return {0.0, 0.0, std::numeric_limits<double>::infinity()};
-  std::vector<double> heights;
-  for (const auto& place : places) heights.push_back(place[1]);
-  const double middle = median(std::move(heights));
+  std::vector<double> sorted;
+  for (const auto& place : places) sorted.push_back(place[1]);
+  const double middle = median_within(sorted);
   out.height = middle;
   std::vector<double> off(places.size(), 0.0);
   double scale = std::numeric_limits<double>::infinity();
   for (int round = 0; round < kRounds; ++round) {
+    const RoofFit before = out;
     double w0 = 0.0, w1 = 0.0, w2 = 0.0, h0 = 0.0, h1 = 0.0;
     for (std::size_t k = 0; k < places.size(); ++k) {
       const double r = off[k] / scale, w = 1.0 / (1.0 + r * r);
@@ -122,7 +127,10 @@ RoofFit fit_roof(const HeightMaps& maps, Rows rows, const Block& block, BlockRoo
       off[k] = std::abs(places[k][1] - out.height - out.rise * places[k][0]);
       out.misfit += off[k] / static_cast<double>(places.size());
     }
-    scale = std::max(2.0 * median(off), 1e-3 * middle);
+    const double moved = std::abs(out.height - before.height) + std::abs(out.rise - before.rise);
+    if (round > 0 && moved < kSettled * middle) break;
+    sorted = off;
+    scale = std::max(2.0 * median_within(sorted), 1e-3 * middle);
   }
   return out;
 }
