@@ -113,8 +113,10 @@ std::vector<JobRow> JobTable::list(const JobFilter& filter, const std::string& a
     if (found < limit && looked == most && (looked_to.empty() || before(last, looked_to)))
       looked_to = last;
   }
-  std::sort(all.begin(), all.end(),
-            [&](const JobRow& a, const JobRow& b) { return before(a.id, b.id); });
+  // The rows of one state come in order.
+  const auto is_before = [&](const JobRow& a, const JobRow& b) { return before(a.id, b.id); };
+  if (!std::is_sorted(all.begin(), all.end(), is_before))
+    std::sort(all.begin(), all.end(), is_before);
   if (!looked_to.empty())
     std::erase_if(all, [&](const JobRow& row) { return before(looked_to, row.id); });
   if (all.size() >= static_cast<std::size_t>(limit)) looked_to.clear();

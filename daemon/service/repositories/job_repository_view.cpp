@@ -188,6 +188,7 @@ Answer<Page<Job>> JobRepository::list(const JobFilter& filter, const PageRequest
     std::vector<JobRow> rows = jobs_.list(filter, request.cursor, request.limit + 1, looked_to);
     const bool more = rows.size() > static_cast<std::size_t>(request.limit);
     if (more) rows.pop_back();
+    page.items.reserve(rows.size());
     for (const JobRow& row : rows) page.items.push_back(shown(row));
     page.next_cursor = more ? rows.back().id : looked_to;
     return page;
