@@ -124,8 +124,8 @@ Result<void> open_page(bool print_only, const Globals& globals) {
 
 constexpr const char* kOpenHelp =
     "Open popcutd's page in the browser.\n\n"
-    "If no popcutd runs, popcut starts one in the background, at a free port if another program\n"
-    "has the usual one.\n\n"
+    "If no popcutd runs, popcut starts one in the background. If another program uses the usual\n"
+    "port, popcutd takes a free one.\n\n"
     "  popcut open\n"
     "  popcut open --print     # print the address, which works once, within a minute\n\n"
     "The page has the role that you have. On a tablet, open the address of popcutd and type the\n"
