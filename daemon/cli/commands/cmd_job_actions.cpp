@@ -381,8 +381,9 @@ void register_job_actions(const Command& app, const Globals& globals, Run& run) 
           "--device", options->device,
           "Cutter that holds the sheet, if several could cut it; 'popcut devices' lists them")
       .value_text("ID");
-  command.add_flag("--accept-warnings", options->accept_warnings,
-                   "Arm the sheet although a warning of 'popcut jobs JOB' says that the cut may be spoiled");
+  command.add_flag(
+      "--accept-warnings", options->accept_warnings,
+      "Arm the sheet although a warning of 'popcut jobs JOB' says that the cut may be spoiled");
   options = fresh();
   command = add(app, globals, run, {"start", kStartHelp, start}, options);
   command.add_flag("--wait", options->wait, "Wait until the sheet is cut");
