@@ -91,6 +91,12 @@ Result<PlanningOutcome> draw_artwork(WorkerTask& task, const FileSink& add,
     design = printed_layers(made, *model);
     return {};
   };
+  sources.boxed = [&](const DesignSpec& spec, const BoxedCard& made) -> Result<void> {
+    const auto model = model_of(wanted, spec, assets);
+    if (!model) return tl::unexpected(model.error());
+    design = printed_boxes(made, *model);
+    return {};
+  };
   bool are_slices = false;  // on their sheets are names, and where tabs go
   sources.sliced = [&]() -> Result<void> {
     are_slices = true;

@@ -96,9 +96,10 @@ Result<void> keep_layers(const Options& options, PrintMode mode, const DesignSpe
                          const SurfaceAssets& assets, const LayeredCard& made,
                          PrintedDesign& design) {
   if (mode == PrintMode::Flat || mode == PrintMode::Lines)
-    return fail(ErrorKind::Usage, "--mode",
-                "must be view for a card of layers: they are printed with the model as it is seen "
-                "from the front");
+    return fail(
+        ErrorKind::Usage, "--mode",
+        "must be view for a card of layers: each layer shows the model as you see it when you "
+        "look down on the card");
   const auto model = model_of(options, spec, assets);
   if (!model) return tl::unexpected(model.error());
   design = planning::printed_layers(made, *model);

@@ -493,6 +493,43 @@ TEST_CASE("the artwork of a sheet is drawn only for the program that its plan ga
   CHECK(files.empty());
 }
 
+TEST_CASE("the artwork of cards of layers and of boxes is drawn in a worker",
+          "[daemon][planning][artwork]") {
+  json house = json::parse(text_of_file(source_file("docs/parts/box-house.json")));
+  const std::string style = GENERATE("boxes", "layers");
+  CAPTURE(style);
+  const std::string glb = text_of_file(kExamples + "house.glb");
+  const std::string id = "sha256-" + daemon::sha256_hex(glb);
+  house["surface"]["file"] = id;
+  house["style"] = style;
+  const auto task_of = [&](Kind kind) {
+    planning::WorkerTask task{.kind = kind, .design_kind = "spec"};
+    task.machine_json = R"({"name": "ours", "like": "cameo3", "title": "T"})";
+    task.material_json = R"({"name": "m", "like": "paper-220", "title": "M"})";
+    task.design = house.dump();
+    task.assets[id] = glb;
+    task.options = {{"marks", "true"}};
+    return task;
+  };
+  std::map<std::string, std::string> files;
+  const auto keep = [&](const std::string& name, const std::string& bytes) -> Result<void> {
+    files[name] = bytes;
+    return {};
+  };
+  const auto plan = value(planning::perform(task_of(Kind::Plan), keep));
+  REQUIRE_FALSE(plan.sheets.empty());
+  files.clear();
+  auto task = task_of(Kind::Artwork);
+  task.options.insert({{"artwork-sheet", "1"},
+                       {"artwork-mode", "view"},
+                       {"artwork-dpi", "50"},
+                       {"artwork-sha256", plan.sheets[0].program_sha256}});
+  const auto drawn = planning::perform(task, keep);
+  INFO((drawn ? "" : message(drawn.error())));
+  REQUIRE(drawn);
+  CHECK(files["artwork.pdf"].starts_with("%PDF"));
+}
+
 TEST_CASE("what a worker says it is at is told now and then, and as plain text",
           "[daemon][planning]") {
   Bench bench({}, probe_program());
