@@ -266,9 +266,8 @@ constexpr const char* kHelp =
     "  popcut doctor usb:1-2 --treat-as cameo4    # a model that popcut does not know\n"
     "  popcut doctor --udev-rule                  # print the rule that grants permission\n\n"
     "popcut asks a known cutter for its status and name, and sends it nothing else. If the\n"
-    "configuration of popcutd names a fleet, popcut checks that, too: database, login, lease, "
-    "clock,\n"
-    "other nodes.\n"
+    "configuration of popcutd names a fleet, popcut checks that, too: database, login, lease,\n"
+    "clock, other nodes.\n"
     "Exit code 0 if a cutter is ready and the fleet is in order, 5 if not.";
 
 }  // namespace
