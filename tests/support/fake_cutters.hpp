@@ -55,6 +55,10 @@ class FakeCutters final : public daemon::Cutters {
   void unplug(const std::string& id) {
     change([&] { devices_.erase(id); });
   }
+  /// Unplugged and plugged in again, so quickly that `list` never shows it absent.
+  void replug(const std::string& id) {
+    change([&] { ++devices_.at(id).plugs; });
+  }
   void set_state(const std::string& id, const std::string& state) {
     change([&] { devices_.at(id).state = state; });
   }

@@ -73,6 +73,8 @@ Answer<DeviceRecord> DeviceDispatcher::act(const Principal& who, const std::stri
 Answer<void> DeviceDispatcher::take(const Principal& who, const DeviceRecord& device,
                                     const DeviceRequest& request, std::string& test_job) {
   const std::string& id = device.id;
+  if (parts_.devices.is_elsewhere(id) && request.action != "test-cut")
+    return tl::unexpected(parts_.devices.elsewhere(id, "enable, disable or reset it there"));
   if (request.action == "enable" || request.action == "disable") {
     const bool enables = request.action == "enable";
     parts_.devices.set_enabled(id, enables);

@@ -60,6 +60,8 @@ void FleetWatch::begin_life() {
   parts_.dispatcher.forget_arms();
   parts_.cuts.reclaim();
   lease_.reported();
+  if (!was_begun_ && on_begun) on_begun();
+  was_begun_ = true;
   has_begun_ = true;
   in_doubt_ = false;
   why_.clear();
@@ -67,7 +69,6 @@ void FleetWatch::begin_life() {
                                parts_.store.node().epoch));
   logged_.clear();
   beat_ms_ = parts_.store.monotonic();
-  if (!std::exchange(was_begun_, true) && on_begun) on_begun();
   parts_.devices.load_others();
 }
 

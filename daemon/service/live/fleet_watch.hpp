@@ -42,7 +42,7 @@ class FleetWatch {
   [[nodiscard]] const NodeLease& lease() const { return lease_; }
   /// OpenMetrics lines about this node and the other ones.
   [[nodiscard]] std::string metrics();
-  /// Called once, when the database answered for the first time.
+  /// Called when the database answers for the first time; again later if it throws a StoreFault.
   std::function<void()> on_begun{};
 
  private:

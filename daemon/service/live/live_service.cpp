@@ -251,6 +251,8 @@ Answer<void> AssembledService::begin_in_fleet() {
   parts_.fleet->on_begun = [this] {
     parts_.tokens.users_changed();
     parts_.registry.load();
+    parts_.registry
+        .load_others();  // before `look`: one of their cutters may be plugged in here now
     parts_.device_dispatcher.look();
     parts_.jobs.plans_ended_before();
     parts_.plans.pump();

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <set>
+#include <tuple>
 
 #include <fmt/format.h>
 
@@ -15,6 +16,20 @@ namespace {
 constexpr double kAreaSlackMm = 0.05;
 
 bool is_away(const std::string& state) { return state == "absent" || state == "offline"; }
+
+// A cutter that is carried to this node stays disabled, and keeps its counters. Its revision grows,
+// so that no earlier ETag is valid again. Returns whether anything has changed.
+bool inherit(DeviceRecord& record, const DeviceRecord& earlier) {
+  if (std::tie(record.enabled, record.sheets_done, record.cut_mm) ==
+          std::tie(earlier.enabled, earlier.sheets_done, earlier.cut_mm) &&
+      record.rev > earlier.rev)
+    return false;
+  record.enabled = earlier.enabled;
+  record.sheets_done = earlier.sheets_done;
+  record.cut_mm = earlier.cut_mm;
+  record.rev = std::max(record.rev, earlier.rev) + 1;
+  return true;
+}
 
 }  // namespace
 
@@ -31,7 +46,8 @@ void DeviceRegistry::load() {
     record.state = "absent";
     // Other nodes read the site from the database.
     if (record.site != options_.fleet.site) unstored_ = true, ++record.rev;
-    entries_[record.id] = {.record = record, .machine = {}, .sessions = 0};
+    Entry& entry = entries_[record.id];
+    entry = {.record = record, .machine = {}, .sessions = entry.sessions};
   }
 }
 
@@ -69,6 +85,7 @@ void DeviceRegistry::load_others() {
       // A node that does not answer no longer has it.
       const std::string taken_by = is_away(record.state) ? std::string() : record.node;
       if (taken_by.empty() && !entry.taken_by.empty()) unstored_ = true;
+      if (taken_by.empty() && inherit(entry.record, record)) unstored_ = true;
       entry.taken_by = taken_by;
       continue;
     }
@@ -83,11 +100,11 @@ bool DeviceRegistry::is_elsewhere(const std::string& id) const {
   return found != entries_.end() && found->second.is_remote;
 }
 
-Problem DeviceRegistry::elsewhere(const std::string& id) const {
+Problem DeviceRegistry::elsewhere(const std::string& id, std::string_view advice) const {
   const DeviceRecord& record = entries_.at(id).record;
   return {ProblemKind::StateConflict,
-          fmt::format("{} is at {}; only a person there may arm, start and resume{}{}", id,
-                      record.node, record.node_url.empty() ? "" : ": ", record.node_url)};
+          fmt::format("{} is at {}; {}{}{}", id, record.node, advice,
+                      record.node_url.empty() ? "" : ": ", record.node_url)};
 }
 
 const std::string& DeviceRegistry::site_of(const Entry& entry) const {
@@ -148,13 +165,12 @@ std::vector<std::string> DeviceRegistry::refresh() {
     Entry& entry = entries_[fresh.id];
     if (!is_new && entry.is_remote) {
       // It was moved here from a node that does not answer; or two cutters have the same id.
-      const std::string before = entry.record.node;
-      const bool is_free = is_away(entry.record.state);
+      const DeviceRecord before = std::move(entry.record);
       entry = {};
       entry.record.id = fresh.id;
       entry.record.state = "absent";
-      entry.record.enabled = fresh.enabled;
-      if (!is_free) entry.taken_by = before;
+      (void)inherit(entry.record, before);
+      if (!is_away(before.state)) entry.taken_by = before.node;
     }
     if (is_new) {
       entry.record.id = fresh.id;
@@ -163,8 +179,11 @@ std::vector<std::string> DeviceRegistry::refresh() {
       entry.record.enabled = fresh.enabled;
     }
     const bool was_there = !is_away(entry.record.state);
+    const int session = entry.sessions;
     if (take_in(entry, fresh) || is_new) changed.push_back(&entry);
-    if (was_there && is_away(entry.record.state)) gone.push_back(fresh.id);
+    // With another session it was away for a moment, in which its sheet may have moved.
+    if (was_there && (is_away(entry.record.state) || entry.sessions != session))
+      gone.push_back(fresh.id);
   }
   for (auto& [id, entry] : entries_) {
     if (listed.contains(id) || entry.record.state == "absent" || entry.is_remote) continue;
@@ -340,7 +359,7 @@ Answer<void> DeviceRegistry::usable(const std::string& id) const {
 
 std::vector<NextAction> DeviceRegistry::remedies(const std::string& id) const {
   const auto found = entries_.find(id);
-  if (found == entries_.end()) return {};
+  if (found == entries_.end() || found->second.is_remote) return {};
   if (!found->second.record.enabled) return {{.action = "enable", .device = id}};
   if (found->second.record.state != "fault") return {};
   return {{.action = "reset", .device = id}};

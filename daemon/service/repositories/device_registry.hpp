@@ -4,6 +4,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "daemon/devices/cutters.hpp"
@@ -19,15 +20,21 @@ class DeviceRegistry {
   DeviceRegistry(ServiceStore& store, Cutters& cutters, const ServiceOptions& options)
       : store_(store), cutters_(cutters), options_(options) {}
 
-  /// Reads what the store keeps of the devices of this node. Once.
+  /// Reads what the store keeps of the devices of this node. Call this when the service begins, and
+  /// again only if the store failed meanwhile.
   void load();
   /// In a fleet: reads the devices of the other nodes.
   void load_others();
   /// Whether the device is at another node.
   [[nodiscard]] bool is_elsewhere(const std::string& id) const;
   /// The problem for an action that only the device's own node may do. It names that node.
-  [[nodiscard]] Problem elsewhere(const std::string& id) const;
-  /// Reads the cutters again; returns the ids of those that went away.
+  ///
+  /// @param advice  what to do there
+  [[nodiscard]] Problem elsewhere(
+      const std::string& id,
+      std::string_view advice = "only a person there may arm, start and resume") const;
+  /// Reads the cutters again. Returns the ids of those that went away, and of those that were away
+  /// for a moment since the last call.
   std::vector<std::string> refresh();
 
   [[nodiscard]] std::vector<DeviceRecord> list() const;
@@ -66,8 +73,8 @@ class DeviceRegistry {
                                                  const std::string& site) const;
   /// Refuses unless a sheet may be loaded into the device.
   [[nodiscard]] Answer<void> usable(const std::string& id) const;
-  /// Requests that make a device usable again; none if it is usable, or if a person must plug it
-  /// in.
+  /// Requests that make a device usable again. None if it is usable, if a person must plug it in,
+  /// or if it is at another node, which alone may do this.
   [[nodiscard]] std::vector<NextAction> remedies(const std::string& id) const;
 
   /// In a transaction.

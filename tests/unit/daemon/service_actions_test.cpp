@@ -101,6 +101,19 @@ TEST_CASE("unplugging disarms an armed job and asks for the device", "[daemon][s
   CHECK(bench.act(ready.id, JobAction::Arm));
 }
 
+TEST_CASE("a cutter that was unplugged for a moment is disarmed, though it was never seen absent",
+          "[daemon][service]") {
+  ServiceBench bench;
+  const Job ready = bench.ready_job();
+  REQUIRE(bench.act(ready.id, JobAction::Arm));
+  bench.cutters.replug(bench.device);
+  bench.on([](LiveService& s) { s.tick(); });
+  CHECK(shown(bench, ready).state == JobState::Ready);
+  CHECK(shown(bench, ready).reason == "device_gone");
+  CHECK(bench.act(ready.id, JobAction::Start).error().kind == ProblemKind::StateConflict);
+  CHECK(bench.act(ready.id, JobAction::Arm));
+}
+
 TEST_CASE("after a cutter refuses the sheet the same blank can be started again",
           "[daemon][service]") {
   ServiceBench bench;

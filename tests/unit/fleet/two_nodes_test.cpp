@@ -315,6 +315,85 @@ TEST_CASE("a cutter that is carried to another node is that node's", "[fleet]") 
   CHECK(fleet.arm(fleet.b, job, device));
 }
 
+TEST_CASE("a cutter is enabled, disabled and reset only at its own node", "[fleet]") {
+  NEEDS_POSTGRES();
+  Fleet fleet;
+  const auto at_a = [&] {
+    return fleet.a.bench.on([](LiveService& s) { return s.devices.find("sim:b"); });
+  };
+  REQUIRE(fleet.until([&] { return at_a().has_value(); }));
+  SECTION("it is plugged in") {}
+  SECTION("it is unplugged") {
+    fleet.b.bench.cutters.unplug("sim:b");
+    REQUIRE(fleet.until([&] { return at_a()->state == "absent"; }));
+  }
+  for (const char* const action : {"disable", "enable", "reset"}) {
+    const Answer<DeviceRecord> refused = fleet.a.bench.on([&](LiveService& s) {
+      return s.devices.act(fleet.a.bench.admin, "sim:b", s.devices.find("sim:b")->rev,
+                           {.action = action});
+    });
+    REQUIRE_FALSE(refused);
+    CHECK(refused.error().detail == "sim:b is at b; enable, disable or reset it there: http://b");
+  }
+  CHECK(fleet.sql("SELECT node, enabled FROM device WHERE id='sim:b'") == "b|1");
+}
+
+TEST_CASE("a disabled cutter stays disabled when it is carried to another node", "[fleet]") {
+  NEEDS_POSTGRES();
+  Fleet fleet;
+  const std::string device = fleet.a.device();
+  const auto at_b = [&] {
+    return fleet.b.bench.on([&](LiveService& s) { return s.devices.find(device); });
+  };
+  REQUIRE(fleet.a.bench.on([&](LiveService& s) {
+    return s.devices.act(fleet.a.bench.admin, device, s.devices.find(device)->rev,
+                         {.action = "disable"});
+  }));
+  const auto unplug = [&] {
+    fleet.a.bench.cutters.unplug(device);
+    REQUIRE(fleet.until(
+        [&] { return fleet.sql("SELECT state FROM device WHERE id='sim:a'") == "absent"; }));
+    fleet.sql("UPDATE device SET sheets_done=12 WHERE id='sim:a'");
+  };
+  SECTION("while the other node runs") {
+    REQUIRE(fleet.until([&] { return at_b().has_value(); }));
+    unplug();
+    REQUIRE(fleet.until([&] { return at_b()->sheets_done == 12; }));
+    fleet.b.bench.cutters.plug(device);
+  }
+  SECTION("while the other node is down") {
+    fleet.kill(fleet.b);
+    unplug();
+    fleet.b.bench.cutters.plug(device);
+    fleet.restart(fleet.b);
+  }
+  REQUIRE(fleet.until([&] { return at_b()->state == "idle" && at_b()->node == "b"; }));
+  CHECK_FALSE(at_b()->enabled);
+  CHECK(at_b()->sheets_done == 12);
+  CHECK(fleet.until([&] {
+    return fleet.sql("SELECT node, enabled, sheets_done FROM device WHERE id='sim:a'") == "b|0|12";
+  }));
+}
+
+TEST_CASE("a node reads its cutters again if the database went away while it read them",
+          "[fleet]") {
+  NEEDS_POSTGRES();
+  Fleet fleet;
+  const std::string device = fleet.a.device();
+  const auto found = [&] {
+    return fleet.a.bench.on([&](LiveService& s) { return s.devices.find(device); });
+  };
+  REQUIRE(fleet.a.bench.on([&](LiveService& s) {
+    return s.devices.act(fleet.a.bench.admin, device, s.devices.find(device)->rev,
+                         {.action = "disable"});
+  }));
+  fleet.kill(fleet.a);
+  fleet.a.proxy.cut_at("FROM device WHERE node", FaultProxy::Lost::Request);
+  fleet.restart(fleet.a);
+  REQUIRE_FALSE(fleet.a.proxy.cut_to_come());
+  CHECK(fleet.until([&] { return found() && !found()->enabled; }));
+}
+
 TEST_CASE("pause and cancel reach the knife from any node", "[fleet]") {
   NEEDS_POSTGRES();
   Fleet fleet;
