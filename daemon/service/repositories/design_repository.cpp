@@ -22,6 +22,7 @@ constexpr std::string_view kSelectDesign =
 constexpr std::uint64_t kSpecBytes = 1u << 20;  // longer ones name their material in the request
 constexpr std::uint64_t kNewSpecBytes = 64u << 10;  // of one that is being uploaded
 constexpr std::size_t kMostKept = 1000;             // materials of designs, in memory
+constexpr std::size_t kLongestMaterial = 200;       // bytes of a name, in a table of users, too
 constexpr std::string_view kPreview = "preview.svg";
 
 Design design_of(const Rows& rows) {
@@ -73,7 +74,8 @@ void keep_preview(Result<PlanningOutcome>& outcome, const std::string& place) {
 }
 
 // The text at "/material" of a spec. The spec is not kept while it is read, because a hostile one
-// may hold a million values.
+// may hold a million values. A name that is longer than any material's is cut, because names are
+// kept in memory and repeated in errors.
 std::string material_in(const std::string& text) {
   using Json = nlohmann::json;
   std::optional<std::string> found;
@@ -83,7 +85,7 @@ std::string material_in(const std::string& text) {
     if (event == Json::parse_event_t::key)
       is_next = depth == 1 && value == "material";
     else if (event == Json::parse_event_t::value && is_material && !found && value.is_string())
-      found = value.get<std::string>();
+      found = value.get_ref<const std::string&>().substr(0, kLongestMaterial);
     return event == Json::parse_event_t::object_start && depth == 0;
   };
   (void)Json::parse(text, take, false);

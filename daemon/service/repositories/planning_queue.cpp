@@ -410,24 +410,26 @@ std::string PlanningQueue::next() {
   return {};
 }
 
-// Releases plans that this node claimed but no longer makes, because their end could not be stored.
-// Until they are released, no node can make them.
-void PlanningQueue::take_up_unrecorded() {
-  for (const std::string& id : std::exchange(unrecorded_, {})) {
-    const Answer<void> given = parts_.store.change([&]() -> Answer<void> {
-      const auto plan = plans_.find(id);
-      if (plan && plan->state == PlanState::Pending && plan->planner == parts_.store.node().name)
-        plans_.give_back(id, 0);
-      return {};
-    });
-    if (!given) unrecorded_.insert(id);
-  }
+// In a fleet another node may have taken over a plan, because this node did not answer.
+bool PlanningQueue::is_claimed_here(const PlanRow& plan) const {
+  return plan.state == PlanState::Pending && plan.planner == parts_.store.node().name;
+}
+
+// Releases a plan that this node claimed and does not make. Until then no node can make it. If the
+// release cannot be stored, the next `pump` tries again.
+void PlanningQueue::release(const std::string& id) {
+  const Answer<void> stored = parts_.store.change([&]() -> Answer<void> {
+    const auto plan = plans_.find(id);
+    if (plan && is_claimed_here(*plan)) plans_.give_back(id, 0);
+    return {};
+  });
+  if (!stored) to_release_.insert(id);
 }
 
 void PlanningQueue::pump() {
   if (stopped_ || parts_.store.degraded() || parts_.store.full()) return;
   for (const auto& [id, made] : std::exchange(unstored_, {})) keep(id, made, 0);
-  take_up_unrecorded();
+  for (const std::string& id : std::exchange(to_release_, {})) release(id);
   try {
     while (running_.size() < static_cast<std::size_t>(parts_.options.plans_at_once)) {
       const std::string id = next();
@@ -494,9 +496,9 @@ Begun PlanningQueue::start(const std::string& id) {
               with_files_kept(std::move(made), folder, *files, id));
           post([this, id, kept] { over(id, std::move(*kept)); });
         });
-  } catch (...) {  // no memory; it is given back and made later
+  } catch (...) {  // no memory; the plan is released, and made later
     running_.erase(id);
-    unrecorded_.insert(id);
+    to_release_.insert(id);
     throw;
   }
   if (begun) begun(id);
@@ -513,36 +515,30 @@ void PlanningQueue::over(const std::string& id, Result<PlanningOutcome> outcome)
   if (!outcome && outcome.error().kind == ErrorKind::Unwritable) {
     running_.erase(id);
     // It stays pending, and is made again when there is space.
-    ended_in_order(id);
+    release(id);
     parts_.store.note_full();
     parts_.store.log(message(outcome.error()));
     return;
   }
   if (!outcome) {
     running_.erase(id);
-    const bool unwanted = outcome.error().kind == ErrorKind::Refused;
-    // It was cancelled because nobody waited. If somebody waits again by now, it is made again.
-    if (unwanted && awaited(id))
-      ended_in_order(id);
-    else if (!fail_plan(id, unwanted ? "it was no longer needed" : message(outcome.error())))
-      unrecorded_.insert(id);
+    const bool is_cancelled = outcome.error().kind == ErrorKind::Refused;
+    // It was cancelled because nobody waited. If somebody waits again by now, or if the store
+    // cannot say, it is made again.
+    if (is_cancelled &&
+        parts_.store.look([&]() -> Answer<bool> { return awaited(id); }).value_or(true))
+      release(id);
+    else if (!fail_plan(id, is_cancelled ? "it was no longer needed" : message(outcome.error())))
+      to_release_.insert(id);
     return pump();
   }
   if (const std::string fault = fault_of(*outcome, parts_.options.sheets_per_job); !fault.empty()) {
     running_.erase(id);
     parts_.aside.remove(folder_of(id));
-    if (!fail_plan(id, fault)) unrecorded_.insert(id);
+    if (!fail_plan(id, fault)) to_release_.insert(id);
     return pump();
   }
   keep(id, std::make_shared<PlanningOutcome>(std::move(*outcome)), 0);
-}
-
-void PlanningQueue::ended_in_order(const std::string& id) {
-  const Answer<void> stored = parts_.store.change([&]() -> Answer<void> {
-    plans_.give_back(id, 0);
-    return {};
-  });
-  if (!stored) unrecorded_.insert(id);
 }
 
 // Stores a part of the sheets in each turn. The last part makes the plan complete. What cannot be
@@ -556,9 +552,7 @@ void PlanningQueue::keep(const std::string& id, const std::shared_ptr<PlanningOu
   bool is_gone = false;
   const Answer<void> stored = parts_.store.change([&]() -> Answer<void> {
     auto plan = plans_.find(id);
-    // In a fleet another node may have got the plan, because this one did not answer.
-    is_gone =
-        !plan || plan->state != PlanState::Pending || plan->planner != parts_.store.node().name;
+    is_gone = !plan || !is_claimed_here(*plan);
     if (is_gone) return {};
     plans_.put_sheets(id, sheets.subspan(from, count));
     if (!is_last) return {};
@@ -589,6 +583,7 @@ bool PlanningQueue::fail_plan(const std::string& id, const std::string& why) {
   const Answer<void> stored = parts_.store.change([&]() -> Answer<void> {
     auto plan = plans_.find(id);
     if (!plan || plan->state != PlanState::Pending) return {};
+    if (!plan->planner.empty() && !is_claimed_here(*plan)) return {};
     plan->state = PlanState::Failed;
     plan->error = why;
     plan->sheets = 0;

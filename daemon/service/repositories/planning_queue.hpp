@@ -135,14 +135,14 @@ class PlanningQueue : public Plans {
   [[nodiscard]] Begun start(const std::string& id);
   void over(const std::string& id, Result<PlanningOutcome> outcome);
   void keep(const std::string& id, const std::shared_ptr<PlanningOutcome>& made, std::size_t from);
-  void ended_in_order(const std::string& id);
-  void take_up_unrecorded();
+  [[nodiscard]] bool is_claimed_here(const PlanRow& plan) const;
+  void release(const std::string& id);
   [[nodiscard]] bool remove_some_of(const std::string& design);
   void remove_more_of(const std::string& design);
   void read_on(const std::shared_ptr<PlanRecord>& record,
                const std::function<void(Answer<PlanRecord>)>& done);
   [[nodiscard]] bool awaited(const std::string& plan);
-  /// False if that could not be stored.
+  /// Stores that the plan failed, unless another node makes it now. False: this cannot be stored.
   [[nodiscard]] bool fail_plan(const std::string& id, const std::string& why);
   [[nodiscard]] bool is_owned(const PlanRow& plan, const std::string& owner);
   [[nodiscard]] bool is_owned(const std::string& plan);
@@ -157,7 +157,7 @@ class PlanningQueue : public Plans {
   std::deque<Hurried> hurried_;
   std::string turn_of_{};             ///< the owner who had the last turn
   std::set<std::string> requested_;   ///< plans that a person requested, not a job
-  std::set<std::string> unrecorded_;  ///< plans that are over, but could not be stored
+  std::set<std::string> to_release_;  ///< plans that `release` could not release yet
   /// What was made of plans that could not be stored yet.
   std::map<std::string, std::shared_ptr<PlanningOutcome>> unstored_{};
   bool stopped_{false};

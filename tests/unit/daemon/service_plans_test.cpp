@@ -412,6 +412,79 @@ TEST_CASE("a plan has the material of its design also if the file comes late",
   CHECK(bench.create(design).value().material == "paper-160");
 }
 
+TEST_CASE("a plan that another node has taken over is left to that node",
+          "[alone][daemon][service]") {
+  ServiceBench bench;
+  const std::string design = bench.add_design("slow").value().id;
+  const Job job = bench.create(design).value();
+  REQUIRE(bench.wait_for(job.id, JobState::Planning).state == JobState::Planning);
+  const auto take_over = [&] {
+    bench.store().database().script("UPDATE plan SET planner='another'");
+  };
+  SECTION("this node cannot make it") {
+    bench.on([&](LiveService&) { take_over(); });
+    bench.planner.sheets = 0;
+    bench.planner.release();
+  }
+  SECTION("this node gives it back because nobody waited for it") {
+    bench.on([&](LiveService& s) {
+      REQUIRE(s.cutting.act(bench.tutor, job.id, s.jobs.find(job.id)->rev,
+                            {.action = JobAction::Cancel}));
+      JobCreate again;
+      again.design = design;
+      REQUIRE(s.jobs.create(bench.other_student, again)->plan == job.plan);
+      take_over();
+    });
+  }
+  REQUIRE(bench.wait([&] {
+    return bench.thread().turns(ServiceThread::Lane::Asking).longest().contains("plan ended");
+  }));
+  bench.on([&](LiveService& s) {
+    CHECK(s.plans.find(job.plan)->state == PlanState::Pending);
+    CHECK(bench.store().database().number("SELECT count(*) FROM plan WHERE planner='another'") ==
+          1);
+  });
+}
+
+TEST_CASE("a cancelled plan is released though the store cannot say who waits for it",
+          "[alone][daemon][service]") {
+  ServiceBench bench;
+  const std::string design = bench.add_design("slow").value().id;
+  const Job job = bench.create(design).value();
+  REQUIRE(bench.wait_for(job.id, JobState::Planning).state == JobState::Planning);
+  const auto sql = [&](const char* text) { bench.store().database().script(text); };
+  bench.on([&](LiveService& s) {
+    REQUIRE(s.cutting.act(bench.tutor, job.id, s.jobs.find(job.id)->rev,
+                          {.action = JobAction::Cancel}));
+    JobCreate again;
+    again.design = design;
+    REQUIRE(s.jobs.create(bench.other_student, again)->plan == job.plan);
+    sql("ALTER TABLE plan_asker RENAME TO plan_asker_away");
+  });
+  REQUIRE(bench.wait([&] {
+    return bench.thread().turns(ServiceThread::Lane::Asking).longest().contains("plan ended");
+  }));
+  const int before = bench.planner.started;
+  bench.on([&](LiveService& s) {
+    sql("ALTER TABLE plan_asker_away RENAME TO plan_asker");
+    s.tick();
+  });
+  REQUIRE(bench.wait([&] { return bench.planner.started > before; }));
+  // It was claimed twice, and released in between.
+  CHECK(bench.on([&](LiveService&) {
+    return bench.store().database().number("SELECT begun FROM plan");
+  }) == 1);
+}
+
+TEST_CASE("a long name of a material in a spec is not repeated at length", "[daemon][service]") {
+  ServiceBench bench;
+  const std::string name(100'000, 'x');
+  const Design design = bench.add_design(R"({"material":")" + name + R"("})").value();
+  const Answer<Job> refused = bench.create(design.id);
+  REQUIRE_FALSE(refused);
+  CHECK(refused.error().detail.size() < 1000);
+}
+
 TEST_CASE("a plan that cannot be stored at once is stored later and not made again",
           "[alone][daemon][service]") {
   ServiceBench bench;
