@@ -438,7 +438,9 @@ Begun SearchRepository::start(const std::string& id) {
     return finish(id, SearchState::Failed, "", why) ? Begun::Not : Begun::Later;
   }
   Answer<PlanningTask> task = task_of(*waiting);
-  if (!task) return Begun::Later;  // its model is on its way; the next tick asks again
+  if (!task && task.error().kind == ProblemKind::NotFound)
+    return finish(id, SearchState::Failed, "", "its model was deleted") ? Begun::Not : Begun::Later;
+  if (!task) return Begun::Later;  // its model is being fetched; the next tick tries again
   bool is_mine = false;
   // Claim it before it begins. If popcutd dies of it, the next start knows; and no other node
   // begins it.

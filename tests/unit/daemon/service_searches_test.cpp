@@ -277,6 +277,23 @@ TEST_CASE("a search whose failure cannot be stored yet holds up nobody",
   CHECK(comes_to(bench, second, SearchState::Failed));
 }
 
+TEST_CASE("a search whose model is gone fails and holds up no other", "[alone][daemon][service]") {
+  ServiceBench bench;
+  const std::string first = ask(bench, {.model = add_model(bench, "slow")})->id;
+  REQUIRE(bench.wait([&] { return bench.planner.started == 1; }));
+  const std::string model = add_model(bench, "vase");
+  const std::string second = ask(bench, {.model = model})->id;
+  const std::string third = ask(bench, {.model = add_model(bench, "jug")})->id;
+  // As after the salvage of a damaged database.
+  bench.on(
+      [&](LiveService&) { bench.store().database().run("DELETE FROM asset WHERE id=?", model); });
+  bench.planner.release();
+  CHECK(comes_to(bench, first, SearchState::Found));
+  CHECK(comes_to(bench, third, SearchState::Found));
+  CHECK(find(bench, second)->state == SearchState::Failed);
+  CHECK(find(bench, second)->error == "its model was deleted");
+}
+
 TEST_CASE("a search that cannot be stored at once is stored later and not made again",
           "[alone][daemon][service]") {
   ServiceBench bench;
