@@ -134,19 +134,20 @@ bool Tokens::is_of_this_machine(const std::string& principal) const {
 }
 
 std::optional<Principal> Tokens::with_session(const std::string& id, std::string_view secret) {
-  const std::optional<Session> found = session(id);
+  std::optional<Session> found = session(id);
   if (!found || !equal_in_constant_time(found->secret, sha256_hex(secret))) return std::nullopt;
   std::optional<Principal> owner = root_of(*found);
   if (!owner) return std::nullopt;
   const TimeMs later = std::min(store_.now() + options_.session_ms, found->ends);
-  if (found->expires + kExtendMs <= later) {
-    // If this cannot be written, the session only ends earlier.
-    (void)store_.change([&]() -> Answer<void> {
-      store_.db().run("UPDATE session SET expires=? WHERE id=?", later, id);
-      return {};
-    });
-  }
-  return owner;
+  if (found->expires + kExtendMs > later) return owner;
+  // If this cannot be written, the session only ends earlier.
+  const Answer<void> extended = store_.change([&]() -> Answer<void> {
+    store_.db().run("UPDATE session SET expires=? WHERE id=?", later, id);
+    return {};
+  });
+  if (!extended) return owner;
+  found->expires = later;
+  return root_of(*found);
 }
 
 std::optional<Principal> Tokens::authenticate(std::string_view bearer) {
@@ -174,10 +175,13 @@ std::optional<Principal> Tokens::authenticate(std::string_view bearer) {
 
 std::optional<Principal> Tokens::known(std::string_view id, std::string_view secret) const {
   const auto found = known_.find(id);
-  if (found == known_.end() || store_.monotonic() - found->second.at_ms > kKnown_ms ||
-      !equal_in_constant_time(found->second.secret_sha256, sha256_hex(secret)))
+  if (found == known_.end()) return std::nullopt;
+  const Known& one = found->second;
+  const std::int64_t since_ms = store_.monotonic() - one.at_ms;
+  if (since_ms > std::min(kKnown_ms, one.principal.left_ms.value_or(kKnown_ms)) ||
+      !equal_in_constant_time(one.secret_sha256, sha256_hex(secret)))
     return std::nullopt;
-  return found->second.principal;
+  return one.principal;
 }
 
 void Tokens::forget_known() {

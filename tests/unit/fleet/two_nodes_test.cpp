@@ -394,6 +394,23 @@ TEST_CASE("a node reads its cutters again if the database went away while it rea
   CHECK(fleet.until([&] { return found() && !found()->enabled; }));
 }
 
+TEST_CASE("a token that has expired gives no access while the database is away", "[fleet]") {
+  NEEDS_POSTGRES();
+  Fleet fleet;
+  ServiceBench& bench = fleet.a.bench;
+  const std::string token = bench.on([&](LiveService& s) {
+    return s.access.create_token(bench.admin, "lab", Role::Operator, 600).value().text;
+  });
+  const auto who = [&] {
+    return bench.on([&](LiveService& s) { return s.access.authenticate(token); });
+  };
+  REQUIRE(who());
+  fleet.a.partition();
+  REQUIRE(who());
+  bench.monotonic_skew_ms += 601'000;
+  CHECK_THROWS_AS(who(), StoreFault);
+}
+
 TEST_CASE("pause and cancel reach the knife from any node", "[fleet]") {
   NEEDS_POSTGRES();
   Fleet fleet;
