@@ -409,7 +409,7 @@ void Daemon::check_database() {
       const std::lock_guard hold(damage_lock_);
       damage_ = text;
     }
-    thread_->post(ServiceThread::Lane::Asking, [this, text] { service_->checked(text); });
+    thread_->post(ServiceThread::Lane::Asking, [this, text] { service_->check_ended(text); });
   });
 }
 

@@ -57,7 +57,7 @@ TimeMs Calendar::now() {
   return believed_;
 }
 
-void Calendar::keep(TimeMs believed, std::int64_t held_ms) {
+void Calendar::store(TimeMs believed, std::int64_t held_ms) {
   store_.db().put("calendar(one, believed, claimed, held_ms)", "one", 1, believed, claimed_,
                   held_ms);
 }
@@ -67,7 +67,7 @@ void Calendar::believe() {
   const Answer<void> written = store_.change([&]() -> Answer<void> {
     if (moved) moved(by);
     // In the same transaction: a crash in between would move them again.
-    keep(claimed_, 0);
+    store(claimed_, 0);
     return {};
   });
   if (!written) return;
@@ -82,7 +82,7 @@ void Calendar::tick() {
   if (claimed_ != believed_ && held_ms_ >= options_.believe_ms) believe();
   if (kept_at_ms_ >= 0 && at_ms_ - kept_at_ms_ < kKeep_ms) return;
   const Answer<void> written = store_.change([&]() -> Answer<void> {
-    keep(believed_, held_ms_);
+    store(believed_, held_ms_);
     return {};
   });
   if (written) kept_at_ms_ = at_ms_;

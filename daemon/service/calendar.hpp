@@ -32,7 +32,7 @@ class Calendar {
 
  private:
   void follow();
-  void keep(TimeMs believed, std::int64_t held_ms);
+  void store(TimeMs believed, std::int64_t held_ms);
   void believe();
   ServiceStore& store_;
   const ServiceOptions& options_;

@@ -36,12 +36,12 @@ std::string PrincipalTitles::of(const std::string& principal) {
   const auto at = known_.find(principal);
   if (at != known_.end()) return at->second;
   if (known_.size() >= kMostTitles) known_.clear();
-  std::string title = looked_up(principal);
+  std::string title = look_up(principal);
   known_.emplace(principal, title);
   return title;
 }
 
-std::string PrincipalTitles::looked_up(const std::string& principal) {
+std::string PrincipalTitles::look_up(const std::string& principal) {
   if (const std::string_view id = after(kToken, principal); !id.empty()) {
     Rows rows = store_.db().rows("SELECT name FROM token WHERE id=?", id);
     if (rows.next() && !rows.text(0).empty()) return rows.text(0);

@@ -24,7 +24,7 @@ class PrincipalTitles {
   [[nodiscard]] std::string of(const std::string& principal);
 
  private:
-  [[nodiscard]] std::string looked_up(const std::string& principal);
+  [[nodiscard]] std::string look_up(const std::string& principal);
   ServiceStore& store_;
   const ServiceOptions& options_;
   std::map<std::string, std::string> known_{};

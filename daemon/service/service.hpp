@@ -95,35 +95,35 @@ class Designs {
   // Unavailable if the view is cancelled.
 
   /// Cancels a view. Call it from any thread, at any time.
-  using CallOff = std::function<void()>;
-  using Shown = std::function<void(Answer<std::string>)>;
+  using CancelView = std::function<void()>;
+  using OnView = std::function<void(Answer<std::string>)>;
   /// The lattice blob of a spec (core/formats/lattice).
   ///
   /// @retval Superseded  a newer request of the same principal and key replaced it
-  virtual CallOff show_spec(const Principal&, const PreviewRequest&, Shown done) = 0;
+  virtual CancelView show_spec(const Principal&, const PreviewRequest&, OnView done) = 0;
   /// The text of a spec with its shape moved into place, by `place` of the request.
-  virtual CallOff place_spec(const Principal&, const PreviewRequest&, Shown done) = 0;
+  virtual CancelView place_spec(const Principal&, const PreviewRequest&, OnView done) = 0;
   /// "deployed.svg" (small: the opened card) or "pattern.svg" (flat) of a stored design: made once
   /// and kept, without any text of the file. If there is nothing to draw, the picture says so.
   /// `done` is called on the service's thread.
   virtual void picture(const Principal&, const std::string& id, const std::string& name,
-                       Shown done) = 0;
+                       OnView done) = 0;
   /// A file of a stored spec as `popcut design` writes it: "pattern.fold", "pattern.svg",
   /// "cut.svg", "pattern.dxf", "segments.csv", "deploy.glb", "deployed.stl", "deployed.svg",
   /// "poster.svg", "report.json".
   ///
   /// @param part  of a design of several parts; the first is 1
-  virtual CallOff file(const Principal&, const std::string& id, const std::string& name, int part,
-                       Shown done) = 0;
+  virtual CancelView file(const Principal&, const std::string& id, const std::string& name,
+                          int part, OnView done) = 0;
   /// The lattice blob of a stored design.
   ///
   /// @param reading  of a drawing: the options of planning that say what its lines are for, and its
   ///                 unit
-  virtual CallOff lattice(const Principal&, const std::string& id,
-                          const std::map<std::string, std::string>& reading, Shown done) = 0;
+  virtual CancelView lattice(const Principal&, const std::string& id,
+                             const std::map<std::string, std::string>& reading, OnView done) = 0;
   /// A suffix for ETags. It changes when the row of the spec's material changes. Empty for other
   /// designs.
-  [[nodiscard]] virtual std::string material_mark(const std::string& id) = 0;
+  [[nodiscard]] virtual std::string material_etag_suffix(const std::string& id) = 0;
 };
 
 /// The most sheets that are read in one turn of the service's thread.
@@ -158,16 +158,16 @@ class Plans {
   /// spec
   /// @retval StateConflict  the plan is not made
   /// @retval Validation     the model cannot be read; artwork is too near to a mark
-  virtual Designs::CallOff artwork(const Principal&, const std::string& id, int sheet,
-                                   const ArtworkRequest&, Designs::Shown done) = 0;
+  virtual Designs::CancelView artwork(const Principal&, const std::string& id, int sheet,
+                                      const ArtworkRequest&, Designs::OnView done) = 0;
   /// Makes the sheets of a design in one way (`planning::make_ways`), without storing them. If
   /// `way` is "drawing", returns the questions about the drawing instead. The answer is the JSON of
   /// `planning::make_sheets`.
   ///
   /// @retval NotFound    there is no such design
   /// @retval Validation  as for `request`; the drawing has to be explained first (`Problem::asks`)
-  virtual Designs::CallOff make(const Principal&, const std::string& way, const PlanRequest&,
-                                Designs::Shown done) = 0;
+  virtual Designs::CancelView make(const Principal&, const std::string& way, const PlanRequest&,
+                                   Designs::OnView done) = 0;
 };
 
 /// Searches for the best cards of a 3D model. See `Service`.

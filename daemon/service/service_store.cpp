@@ -109,8 +109,8 @@ SharedFiles& ServiceStore::files() {
   return store_.files() == nullptr ? own : *store_.files();
 }
 
-Answer<void> ServiceStore::bring(const std::string& name) {
-  return look([&]() -> Answer<void> {
+Answer<void> ServiceStore::fetch_file(const std::string& name) {
+  return read([&]() -> Answer<void> {
     if (files().fetch(name) != SharedFiles::Found::Coming) return {};
     return refuse(ProblemKind::Unavailable,
                   "this file is on its way from the fleet's database; ask again in a moment",
@@ -194,7 +194,7 @@ std::string ServiceStore::moved_away() const {
   return fmt::format("popcutd's state folder is no longer at {}", store_.folder().path());
 }
 
-void ServiceStore::note(const StoreFault& fault) {
+void ServiceStore::handle_fault(const StoreFault& fault) {
   if (in_fleet()) {
     // The database looks after its own disk. Its faults end no cut here.
     if (fault.kind() == FaultKind::InDoubt && on_doubt) on_doubt();
@@ -287,7 +287,7 @@ Answer<void> ServiceStore::accepts_arming() const {
   return {};
 }
 
-void ServiceStore::checked(const std::string& damage) {
+void ServiceStore::check_ended(const std::string& damage) {
   if (degraded_) return;
   if (!damage.empty()) return degrade(damage);
   store_.set_checked();

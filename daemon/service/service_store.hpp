@@ -43,12 +43,12 @@ class ServiceStore {
   /// Fetches a file that another node has into the state folder.
   ///
   /// @retval Unavailable  the file is large and still being fetched; ask again
-  [[nodiscard]] Answer<void> bring(const std::string& name);
+  [[nodiscard]] Answer<void> fetch_file(const std::string& name);
   /// Which node of the fleet this is; changed by `NodeLease`.
   [[nodiscard]] const NodeMark& node() const { return node_; }
   [[nodiscard]] NodeMark& node() { return node_; }
   /// Keeps the largest fence seen. A fence is a number that grows with each START in a fleet.
-  void fenced(std::int64_t fence) { node_.fence = std::max(node_.fence, fence); }
+  void note_fence(std::int64_t fence) { node_.fence = std::max(node_.fence, fence); }
   [[nodiscard]] std::string new_id() { return new_id(now()); }
   /// For a row that was made at `created`: lists look for it by the time in its id.
   [[nodiscard]] std::string new_id(TimeMs created) { return ulids_.next(created); }
@@ -80,7 +80,7 @@ class ServiceStore {
       } catch (const StoreFault& fault) {
         forget_after(marks);
         if (nested) throw;
-        note(fault);
+        handle_fault(fault);
         if (tries == 0 && fault.kind() == FaultKind::Full && folder().free_reserve()) continue;
         // Do not wait again for a row that others hold for seconds: a cutter may need this thread.
         const bool is_early = monotonic() - begun < kMostTrying_ms;
@@ -93,21 +93,21 @@ class ServiceStore {
       }
     }
   }
-  /// Runs `look`, which returns an Answer and changes nothing.
-  template <typename Look>
-  auto look(const Look& look) -> decltype(look()) {
+  /// Runs `reading`, which returns an Answer and changes nothing.
+  template <typename Reading>
+  auto read(const Reading& reading) -> decltype(reading()) {
     try {
-      return look();
+      return reading();
     } catch (const StoreFault& fault) {
       if (db().in_transaction()) throw;
-      note(fault);
+      handle_fault(fault);
       return tl::unexpected(problem_of(fault));
     }
   }
   /// Runs `work` after the commit of the transaction, and never after a rollback.
   void after_commit(std::function<void()> work) { after_.push_back(std::move(work)); }
   /// The same, before the events of the commit are told: who hears one sees what it is about.
-  void on_commit(std::function<void()> work) { with_.push_back(std::move(work)); }
+  void after_commit_before_events(std::function<void()> work) { with_.push_back(std::move(work)); }
 
   /// Stores an event, in a transaction. `members` come after those that all events have.
   void emit(const std::string& kind, const std::string& job, const JsonObject& members);
@@ -132,7 +132,7 @@ class ServiceStore {
   void log(const std::string& line) const;
 
   /// Notes a fault: the disk is full, or it fails.
-  void note(const StoreFault& fault);
+  void handle_fault(const StoreFault& fault);
   void note_full();
   /// Notes that a file could not be kept, and returns the problem.
   [[nodiscard]] Problem file_problem(const Error& error);
@@ -144,7 +144,7 @@ class ServiceStore {
   /// Refuses while no sheet may be armed.
   [[nodiscard]] Answer<void> accepts_arming() const;
   /// Takes the result of the check of the whole database; empty means that it is sound.
-  void checked(const std::string& damage);
+  void check_ended(const std::string& damage);
   /// Reserves disk space again when there is enough.
   void recover_disk();
   std::function<void()> on_degraded{};

@@ -78,7 +78,8 @@ struct ServiceThread::State {
   }
 
   // Takes the lock again.
-  static void note(Turns& turns, const TurnClock& clock, std::unique_lock<std::mutex>& lock) {
+  static void lock_and_add(Turns& turns, const TurnClock& clock,
+                           std::unique_lock<std::mutex>& lock) {
     const TurnTime time = clock.elapsed();
     lock.lock();
     try {
@@ -106,7 +107,7 @@ struct ServiceThread::State {
       const TurnClock clock;
       try_to(work);
       work = {};  // destroys what it holds in this turn, too
-      note(is_asking ? of_asking : of_cutting, clock, lock);
+      lock_and_add(is_asking ? of_asking : of_cutting, clock, lock);
     }
   }
 };

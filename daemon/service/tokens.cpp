@@ -78,7 +78,7 @@ std::optional<Principal> Tokens::token_owner(const std::string& id, TimeMs now) 
   return owner;
 }
 
-std::optional<Principal> Tokens::with_token(std::string_view id, std::string_view secret) {
+std::optional<Principal> Tokens::authenticate_token(std::string_view id, std::string_view secret) {
   {
     Rows rows = store_.db().rows("SELECT secret_sha256 FROM token WHERE id=?", id);
     if (!rows.next() || !equal_in_constant_time(rows.text(0), sha256_hex(secret)))
@@ -106,7 +106,7 @@ std::optional<Tokens::Session> Tokens::session(const std::string& id) {
 }
 
 // The principal of a session, with the role that its root has now; nothing if either has ended.
-std::optional<Principal> Tokens::root_of(const Session& session) {
+std::optional<Principal> Tokens::principal_of(const Session& session) {
   const TimeMs now = store_.now();
   const TimeMs end = std::min(session.expires, session.ends);
   if (end <= now) return std::nullopt;
@@ -133,10 +133,11 @@ bool Tokens::is_of_this_machine(const std::string& principal) const {
   return !store_.in_fleet() || principal.ends_with("@" + store_.node().name);
 }
 
-std::optional<Principal> Tokens::with_session(const std::string& id, std::string_view secret) {
+std::optional<Principal> Tokens::authenticate_session(const std::string& id,
+                                                      std::string_view secret) {
   std::optional<Session> found = session(id);
   if (!found || !equal_in_constant_time(found->secret, sha256_hex(secret))) return std::nullopt;
-  std::optional<Principal> owner = root_of(*found);
+  std::optional<Principal> owner = principal_of(*found);
   if (!owner) return std::nullopt;
   const TimeMs later = std::min(store_.now() + options_.session_ms, found->ends);
   if (found->expires + kExtendMs > later) return owner;
@@ -147,15 +148,15 @@ std::optional<Principal> Tokens::with_session(const std::string& id, std::string
   });
   if (!extended) return owner;
   found->expires = later;
-  return root_of(*found);
+  return principal_of(*found);
 }
 
 std::optional<Principal> Tokens::authenticate(std::string_view bearer) {
   const std::optional<TokenParts> parts = parts_of(bearer);
   if (!parts || !is_ulid(parts->id)) return std::nullopt;
   try {
-    std::optional<Principal> owner = with_token(parts->id, parts->secret);
-    if (!owner) owner = with_session(std::string(parts->id), parts->secret);
+    std::optional<Principal> owner = authenticate_token(parts->id, parts->secret);
+    if (!owner) owner = authenticate_session(std::string(parts->id), parts->secret);
     if (store_.in_fleet()) {
       if (!owner)
         known_.erase(std::string(parts->id));
@@ -164,7 +165,7 @@ std::optional<Principal> Tokens::authenticate(std::string_view bearer) {
     }
     return owner;
   } catch (const StoreFault& fault) {
-    store_.note(fault);
+    store_.handle_fault(fault);
     if (!store_.in_fleet()) return std::nullopt;
     // A person at a cutter must be able to stop it. Everything else needs the database anyway.
     if (std::optional<Principal> owner = known(parts->id, parts->secret)) return owner;
@@ -274,7 +275,7 @@ std::vector<SessionRecord> Tokens::sessions(const Principal& who) {
 
 // Nothing if the session has ended.
 std::optional<SessionRecord> Tokens::record_of(const Session& session) {
-  const std::optional<Principal> owner = root_of(session);
+  const std::optional<Principal> owner = principal_of(session);
   if (!owner) return std::nullopt;
   return SessionRecord{.id = session.id,
                        .root = session.principal,
@@ -309,7 +310,7 @@ Answer<void> Tokens::close_session(const Principal& who) {
     return refuse(ProblemKind::NotFound,
                   "this connection has no session; it is identified by its user");
   const Answer<bool> is_session =
-      store_.look([&]() -> Answer<bool> { return session(who.credential).has_value(); });
+      store_.read([&]() -> Answer<bool> { return session(who.credential).has_value(); });
   if (!is_session) return tl::unexpected(is_session.error());
   return *is_session ? end_session(who, who.credential) : delete_token(who, who.credential);
 }
@@ -330,7 +331,7 @@ void Tokens::users_changed() {
 }
 
 // Fills in a new session for `who`. Nothing if the root has ended.
-std::optional<Tokens::Session> Tokens::beginning(const Principal& who) {
+std::optional<Tokens::Session> Tokens::new_session(const Principal& who) {
   const TimeMs now = store_.now();
   Session fresh{
       .id = {}, .principal = who.name, .created = now, .ends = now + options_.longest_session_ms};
@@ -342,7 +343,7 @@ std::optional<Tokens::Session> Tokens::beginning(const Principal& who) {
     if (owner->left_ms) fresh.ends = std::min(fresh.ends, now + *owner->left_ms);
   } else {
     const std::optional<Session> parent = session(who.credential);
-    if (!parent || !root_of(*parent)) return std::nullopt;
+    if (!parent || !principal_of(*parent)) return std::nullopt;
     fresh.token = parent->token;
     fresh.user = parent->user;
     fresh.via = parent->id;
@@ -421,12 +422,12 @@ Answer<NewToken> Tokens::open_session(const std::string& one_shot) {
 
 Answer<std::optional<NewToken>> Tokens::begin_session(const Principal& who, const std::string& name,
                                                       std::optional<Role> most) {
-  std::optional<Session> fresh = beginning(who);
+  std::optional<Session> fresh = new_session(who);
   if (!fresh) return std::nullopt;
   fresh->id = store_.new_id();
   fresh->name = name;
   if (most) fresh->most = fresh->most ? std::min(*fresh->most, *most) : *most;
-  const std::optional<Principal> owner = root_of(*fresh);
+  const std::optional<Principal> owner = principal_of(*fresh);
   if (!owner) return std::nullopt;
   if (auto room = make_room_for_session(who.name, fresh->via); !room)
     return tl::unexpected(std::move(room.error()));

@@ -72,13 +72,14 @@ class Tokens : public Access {
   [[nodiscard]] std::optional<Principal> known(std::string_view id, std::string_view secret) const;
   struct Session;
   [[nodiscard]] std::optional<Session> session(const std::string& id);
-  [[nodiscard]] std::optional<Principal> root_of(const Session& session);
+  [[nodiscard]] std::optional<Principal> principal_of(const Session& session);
   [[nodiscard]] std::optional<Principal> token_owner(const std::string& id, TimeMs now);
   [[nodiscard]] bool is_of_this_machine(const std::string& principal) const;
-  [[nodiscard]] std::optional<Principal> with_token(std::string_view id, std::string_view secret);
-  [[nodiscard]] std::optional<Principal> with_session(const std::string& id,
-                                                      std::string_view secret);
-  [[nodiscard]] std::optional<Session> beginning(const Principal& who);
+  [[nodiscard]] std::optional<Principal> authenticate_token(std::string_view id,
+                                                            std::string_view secret);
+  [[nodiscard]] std::optional<Principal> authenticate_session(const std::string& id,
+                                                              std::string_view secret);
+  [[nodiscard]] std::optional<Session> new_session(const Principal& who);
   /// Stores a session that begins, in a transaction; nothing if its root has ended.
   ///
   /// @retval QueueFull  there are too many sessions; this one came from all of them, so none can go

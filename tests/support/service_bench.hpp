@@ -51,7 +51,7 @@ class ServiceBench {
 
   daemon::ServiceOptions options;
   std::string place;        ///< its state folder; empty: one of its own, that goes with it
-  bool check_later{false};  ///< all of the database: nothing is armed until `checked` is called
+  bool check_later{false};  ///< all of the database: nothing is armed until `check_ended` is called
   std::string vfs;
   std::uint64_t reserve_bytes{1u << 16};
   std::int64_t skew_ms{0};            ///< of the wall's clock

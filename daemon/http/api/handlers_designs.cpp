@@ -61,7 +61,7 @@ std::string last_part(const Request& request) {
 
 // A picture of a design. It never changes, because the bytes of a design do not.
 void answer_picture(const Request& request, Service& service, const HandlerContext& context,
-                    const Reply& reply, const std::function<void(Designs::Shown)>& make) {
+                    const Reply& reply, const std::function<void(Designs::OnView)>& make) {
   const std::string etag =
       fmt::format("\"{}-{}-{}\"", request.params[0], last_part(request), context.build);
   if (const Answer<Design> design = service.designs.find(request.principal, request.params[0]);
@@ -172,14 +172,14 @@ void design_content(const Request& request, Service& service, const HandlerConte
 
 void design_preview(const Request& request, Service& service, const HandlerContext& context,
                     Reply reply) {
-  answer_picture(request, service, context, reply, [&](Designs::Shown done) {
+  answer_picture(request, service, context, reply, [&](Designs::OnView done) {
     service.designs.preview(request.principal, request.params[0], std::move(done));
   });
 }
 
 void design_picture(const Request& request, Service& service, const HandlerContext& context,
                     Reply reply) {
-  answer_picture(request, service, context, reply, [&](Designs::Shown done) {
+  answer_picture(request, service, context, reply, [&](Designs::OnView done) {
     service.designs.picture(request.principal, request.params[0], last_part(request),
                             std::move(done));
   });
@@ -204,9 +204,9 @@ void design_file(const Request& request, Service& service, const HandlerContext&
   if (name == "spec.json")
     return answer_file(request, reply, service.designs.content(design->id), name);
   const std::string etag = fmt::format("\"{}-{}-{}-{}{}\"", design->id, name, part, context.build,
-                                       service.designs.material_mark(design->id));
+                                       service.designs.material_etag_suffix(design->id));
   if (has_seen(request, etag)) return reply(unchanged(etag, kKept));
-  Designs::CallOff call_off = service.designs.file(
+  Designs::CancelView cancel_view = service.designs.file(
       request.principal, design->id, name, part,
       [reply, etag, name, target = request.target, id = request.id](Answer<std::string> bytes) {
         if (!bytes) return reply(problem_response(bytes.error(), target, id));
@@ -218,7 +218,7 @@ void design_file(const Request& request, Service& service, const HandlerContext&
         response.body = std::move(*bytes);
         reply(std::move(response));
       });
-  if (request.departure) request.departure->then(std::move(call_off));
+  if (request.departure) request.departure->then(std::move(cancel_view));
 }
 
 void delete_design(const Request& request, Service& service, const HandlerContext&, Reply reply) {

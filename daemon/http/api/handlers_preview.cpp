@@ -110,8 +110,8 @@ Answer<std::string> preview_key(const Request& request) {
                             kLeastKeyCharacters, kMostKeyCharacters));
 }
 
-void end_with_client(const Request& request, Designs::CallOff call_off) {
-  if (request.departure) request.departure->then(std::move(call_off));
+void end_with_client(const Request& request, Designs::CancelView cancel_view) {
+  if (request.departure) request.departure->then(std::move(cancel_view));
 }
 
 Response lattice_response(std::string blob) {
@@ -195,8 +195,9 @@ void design_lattice(const Request& request, Service& service, const HandlerConte
       reading[name] = std::move(text);
     }
   if (const auto wrong = query.problem()) return reply(problem_response(*wrong, request));
-  const std::string etag = fmt::format("\"{}-{}{}{}\"", request.params[0], context.build,
-                                       service.designs.material_mark(request.params[0]), mark);
+  const std::string etag =
+      fmt::format("\"{}-{}{}{}\"", request.params[0], context.build,
+                  service.designs.material_etag_suffix(request.params[0]), mark);
   if (has_seen(request, etag)) return reply(unchanged(etag, kKeptByClient));
   end_with_client(
       request,

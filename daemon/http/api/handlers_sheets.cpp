@@ -55,7 +55,7 @@ void sheet_artwork(const Request& request, Service& service, const HandlerContex
                   wanted.clay ? "-clay" : "", wanted.back ? "-back" : "", context.build,
                   wanted.model.empty() ? "" : "-" + wanted.model);
   if (has_seen(request, etag)) return reply(unchanged(etag, kPageKept));
-  Designs::CallOff call_off =
+  Designs::CancelView cancel_view =
       service.plans.artwork(request.principal, request.params[0], *sheet, wanted,
                             [reply, etag, sheet = *sheet, target = request.target,
                              id = request.id](Answer<std::string> pdf) {
@@ -70,7 +70,7 @@ void sheet_artwork(const Request& request, Service& service, const HandlerContex
                               response.body = std::move(*pdf);
                               reply(std::move(response));
                             });
-  if (request.departure) request.departure->then(std::move(call_off));
+  if (request.departure) request.departure->then(std::move(cancel_view));
 }
 
 }  // namespace popcut::daemon::http::handle

@@ -229,7 +229,7 @@ Answer<void> CutDispatcher::arm(const Principal& who, JobRow& row, const ActionR
     }
     return accepted;
   }
-  if (auto here = parts_.plans.bring_sheet(row.plan, sheet->number); !here) return here;
+  if (auto here = parts_.plans.fetch_sheet(row.plan, sheet->number); !here) return here;
   const auto known = next_.find(row.id);
   const Waiting waiting = known == next_.end() ? Waiting{} : waiting_of(known->second);
   if (waiting.resume_at && waiting.resume_at->segment == row.segment &&
@@ -240,7 +240,7 @@ Answer<void> CutDispatcher::arm(const Principal& who, JobRow& row, const ActionR
                          row.first_stroke, waiting.resume_at->first_stroke));
   row.device = *device;
   row.operator_name = who.name;
-  parts_.jobs.take(row, Step::ToArmed, "");
+  parts_.jobs.apply(row, Step::ToArmed, "");
   parts_.jobs.attempts().arm({.job = row.id,
                               .sheet = row.sheet,
                               .blank = row.blank,
@@ -255,14 +255,14 @@ Answer<void> CutDispatcher::arm(const Principal& who, JobRow& row, const ActionR
   parts_.store.after_commit([this, id = row.id, armed, folder = parts_.plans.folder_of(row.plan),
                              number = sheet->number] {
     next_[id] = armed;
-    parts_.programs.want(id, folder, number);
+    parts_.programs.read_ahead(id, folder, number);
   });
   return {};
 }
 
 Answer<void> CutDispatcher::disarm(JobRow& row) {
   parts_.jobs.disarm(row.id);
-  parts_.jobs.take(row, Step::ToReady, "disarmed");
+  parts_.jobs.apply(row, Step::ToReady, "disarmed");
   return {};
 }
 
@@ -415,7 +415,7 @@ Answer<void> CutDispatcher::start(const Principal& who, JobRow& row) {
     used.next_actions = {next_action(JobAction::Disarm)};
     return tl::unexpected(std::move(used));
   }
-  parts_.jobs.take(row, Step::ToCutting, "");
+  parts_.jobs.apply(row, Step::ToCutting, "");
   return {};
 }
 
@@ -437,7 +437,7 @@ Answer<void> CutDispatcher::resume(JobRow& row) {
     return JobRepository::refuse_state(
         row, row.device + " is disabled; an admin can enable it with the action enable");
   if (row.state == JobState::Paused) {
-    parts_.jobs.take(row, Step::ToCutting, "");
+    parts_.jobs.apply(row, Step::ToCutting, "");
   } else {
     row.asked.clear();
     row.reason.clear();
@@ -463,10 +463,10 @@ Answer<void> CutDispatcher::cancel(const Principal& who, JobRow& row,
     return {};
   }
   if (row.state == JobState::Armed) parts_.jobs.disarm(row.id);
-  parts_.jobs.take(row, Step::ToCancelled, reason);
+  parts_.jobs.apply(row, Step::ToCancelled, reason);
   parts_.store.after_commit([this, id = row.id, plan = row.plan] {
     next_.erase(id);
-    parts_.plans.abandon(plan);
+    parts_.plans.cancel_if_unwanted(plan);
   });
   return {};
 }
@@ -500,7 +500,7 @@ Answer<void> CutDispatcher::retry(JobRow& row) {
   row.segment = 1;
   row.first_stroke = 0;
   row.paths_certain = row.paths_sent = 0;
-  parts_.jobs.take(row, Step::ToReady, "retry");
+  parts_.jobs.apply(row, Step::ToReady, "retry");
   parts_.store.after_commit([this, id = row.id] { next_.erase(id); });
   return {};
 }
@@ -530,11 +530,11 @@ Answer<void> CutDispatcher::resume_from(JobRow& row, const ActionRequest& reques
       [this, id = row.id, session, at = CutStart{row.segment, row.first_stroke}] {
         next_[id] = Waiting{.placed_in = session, .resume_at = at};
       });
-  parts_.jobs.take(row, Step::ToReady, "resume");
+  parts_.jobs.apply(row, Step::ToReady, "resume");
   return {};
 }
 
-void CutDispatcher::lapse(const std::string& job, const std::string& reason) {
+void CutDispatcher::disarm_because(const std::string& job, const std::string& reason) {
   const Answer<void> done = parts_.store.change([&]() -> Answer<void> {
     Answer<JobRow> row = parts_.jobs.row(job);
     if (!row || row->state != JobState::Armed) return {};
@@ -542,7 +542,7 @@ void CutDispatcher::lapse(const std::string& job, const std::string& reason) {
     const auto arm = parts_.jobs.attempts().armed(job);
     if (arm && arm->node != parts_.store.node().name) return {};
     parts_.jobs.disarm(job);
-    parts_.jobs.take(*row, step_of(row->state, JobEvent::ArmLapses), reason);
+    parts_.jobs.apply(*row, step_of(row->state, JobEvent::ArmLapses), reason);
     return {};
   });
   // If it could not be written, `tick` tries again. Until then `valid_arm` looks at the time
@@ -565,16 +565,16 @@ void CutDispatcher::tick() {
     if (const auto* const armed = std::get_if<Armed>(&next);
         armed != nullptr && armed->until_ms <= now)
       over.push_back(job);
-  for (const std::string& job : over) lapse(job, "arm_expired");
+  for (const std::string& job : over) disarm_because(job, "arm_expired");
 }
 
 void CutDispatcher::devices_gone(const std::vector<std::string>& devices) {
   for (const std::string& device : devices) {
     try {
       const auto row = parts_.jobs.table().on_device(device);
-      if (row && row->state == JobState::Armed) lapse(row->id, "device_gone");
+      if (row && row->state == JobState::Armed) disarm_because(row->id, "device_gone");
     } catch (const StoreFault& fault) {
-      parts_.store.note(fault);
+      parts_.store.handle_fault(fault);
     }
   }
 }

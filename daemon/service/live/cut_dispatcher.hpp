@@ -103,7 +103,7 @@ class CutDispatcher : public Cutting {
   /// An arm that accepts all warnings of the job.
   [[nodiscard]] static NextAction arm_action(const JobRow& row, const std::string& device);
   /// Disarms a job for another reason than a request. What could not be written is tried again.
-  void lapse(const std::string& job, const std::string& reason);
+  void disarm_because(const std::string& job, const std::string& reason);
   /// The job whose sheet the present request registers, and the session of its device. The answer
   /// to this request says whether the place is known. After the commit, `next_` has the session.
   struct Placing {

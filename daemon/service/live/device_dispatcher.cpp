@@ -19,14 +19,14 @@ std::vector<DeviceRecord> DeviceDispatcher::list() {
   } catch (const StoreFault& fault) {
     // The cutters of this node do not need the database of the fleet.
     if (!parts_.store.in_fleet()) throw;
-    parts_.store.note(fault);
+    parts_.store.handle_fault(fault);
     for (DeviceRecord& one : all) one.job = parts_.cuts.job_on(one.id);
   }
   return all;
 }
 
 Answer<DeviceRecord> DeviceDispatcher::find(const std::string& id) {
-  return parts_.store.look([&]() -> Answer<DeviceRecord> {
+  return parts_.store.read([&]() -> Answer<DeviceRecord> {
     auto found = parts_.devices.find(id);
     if (!found) return refuse(ProblemKind::NotFound, parts_.devices.unknown(id, "/device").detail);
     try {
@@ -55,7 +55,7 @@ Answer<DeviceRecord> DeviceDispatcher::act(const Principal& who, const std::stri
   }
   std::string test_job;
   const Answer<void> done = parts_.store.change([&]() -> Answer<void> {
-    if (const auto taken = take(who, *device, request, test_job); !taken) return taken;
+    if (const auto taken = carry_out(who, *device, request, test_job); !taken) return taken;
     parts_.store.audit(who.name, request.action, id, test_job);
     return {};
   });
@@ -70,8 +70,8 @@ Answer<DeviceRecord> DeviceDispatcher::act(const Principal& who, const std::stri
   return device;
 }
 
-Answer<void> DeviceDispatcher::take(const Principal& who, const DeviceRecord& device,
-                                    const DeviceRequest& request, std::string& test_job) {
+Answer<void> DeviceDispatcher::carry_out(const Principal& who, const DeviceRecord& device,
+                                         const DeviceRequest& request, std::string& test_job) {
   const std::string& id = device.id;
   if (parts_.devices.is_elsewhere(id) && request.action != "test-cut")
     return tl::unexpected(parts_.devices.elsewhere(id, "enable, disable or reset it there"));
@@ -140,7 +140,7 @@ void DeviceDispatcher::reset_ended(const std::string& id, const Result<void>& do
                           .text_or_null("error", done ? "" : message(done.error())));
     return {};
   });
-  look();
+  refresh();
 }
 
 }  // namespace popcut::daemon

@@ -34,11 +34,11 @@ class DeviceDispatcher : public Devices {
   Answer<DeviceRecord> act(const Principal& who, const std::string& id, std::int64_t if_match,
                            const DeviceRequest& request) override;
   /// Reads the cutters again: sheets that were armed in a cutter that went away are disarmed.
-  void look() { parts_.dispatcher.devices_gone(parts_.devices.refresh()); }
+  void refresh() { parts_.dispatcher.devices_gone(parts_.devices.refresh()); }
 
  private:
-  [[nodiscard]] Answer<void> take(const Principal& who, const DeviceRecord& device,
-                                  const DeviceRequest& request, std::string& test_job);
+  [[nodiscard]] Answer<void> carry_out(const Principal& who, const DeviceRecord& device,
+                                       const DeviceRequest& request, std::string& test_job);
   void reset(const std::string& id);
   void reset_ended(const std::string& id, const Result<void>& done);
   Parts parts_;

@@ -21,20 +21,20 @@ FleetWatch::FleetWatch(Parts parts)
 
 Answer<void> FleetWatch::begin() {
   try {
-    begin_life();
+    begin_epoch();
   } catch (const StoreFault& fault) {
-    if (fault.kind() == FaultKind::Refused && !has_own_life())
+    if (fault.kind() == FaultKind::Refused && !is_held_by_own_lease())
       return refuse(ProblemKind::StateConflict, fault.what());
     if (fault.kind() != FaultKind::Away && fault.kind() != FaultKind::InDoubt &&
         fault.kind() != FaultKind::Refused)
       return refuse(ProblemKind::Unavailable, fault.what());
-    note(fault);
+    log_fault(fault);
   }
   return {};
 }
 
 // Whether the blocking lease is from an earlier run of this node. If so, wait until it expires.
-bool FleetWatch::has_own_life() const {
+bool FleetWatch::is_held_by_own_lease() const {
   try {
     return lease_.is_own_life();
   } catch (const StoreFault&) {
@@ -44,7 +44,7 @@ bool FleetWatch::has_own_life() const {
 
 // The new epoch is committed before anything is read, so that no START of the earlier epoch can
 // still be stored after that.
-void FleetWatch::begin_life() {
+void FleetWatch::begin_epoch() {
   has_begun_ = false;
   lease_.begin();
   log_generation();
@@ -88,7 +88,7 @@ void FleetWatch::log_generation() const {
       same(0, dot) ? "" : ": a standby took over, or a backup was restored"));
 }
 
-void FleetWatch::note(const StoreFault& fault) {
+void FleetWatch::log_fault(const StoreFault& fault) {
   why_ = fault.what();
   if (std::exchange(logged_, why_) != why_)
     parts_.store.log(fmt::format("the fleet's database: {}", why_));
@@ -98,7 +98,7 @@ void FleetWatch::tick() {
   if (has_left_) return;  // a node that gave up its lease must not begin again
   try {
     lease_.saw(parts_.store.last_delivered());
-    if (!has_begun_) return begin_life();
+    if (!has_begun_) return begin_epoch();
     const std::int64_t now = parts_.store.monotonic();
     const auto between_ms = static_cast<std::int64_t>(parts_.options.fleet.beat_s * 1000);
     // After a lost answer, renew the lease at once: the database may be another one now.
@@ -111,7 +111,7 @@ void FleetWatch::tick() {
   } catch (const StoreFault& fault) {
     // Another popcutd has begun with this name, or the database does not answer.
     if (fault.kind() == FaultKind::Refused) has_begun_ = false;
-    note(fault);
+    log_fault(fault);
   }
 }
 
@@ -120,11 +120,11 @@ void FleetWatch::beat() {
     parts_.store.log(
         "the lease of this node was over, or the database is another one now; it begins again and "
         "compares its journals");
-    return begin_life();
+    return begin_epoch();
   }
   why_.clear();
   logged_.clear();
-  settle();
+  check_open_attempts();
   if (!has_begun_) return;
   parts_.devices.load_others();
   close_lost_nodes();
@@ -133,10 +133,10 @@ void FleetWatch::beat() {
 // Looks for attempts that are open in the database, but not cut here. A START whose answer was lost
 // is revoked, since the knife moves only after the answer. For any other attempt the journals
 // decide.
-void FleetWatch::settle() {
+void FleetWatch::check_open_attempts() {
   in_doubt_ = false;
   for (const AttemptRow& open : parts_.jobs.attempts().open())
-    if (!parts_.cuts.has(open.id) && !parts_.cuts.revoke_start(open)) return begin_life();
+    if (!parts_.cuts.has(open.id) && !parts_.cuts.revoke_start(open)) return begin_epoch();
 }
 
 void FleetWatch::close_lost_nodes() {
@@ -192,7 +192,7 @@ std::string FleetWatch::metrics() {
       text += fmt::format("popcut_fleet_node_alive{{node=\"{}\"}} {}\n",
                           metric_label(nodes.text(0)), nodes.integer(1));
   } catch (const StoreFault& fault) {
-    note(fault);
+    log_fault(fault);
   }
   return text;
 }

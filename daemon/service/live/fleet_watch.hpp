@@ -46,13 +46,13 @@ class FleetWatch {
   std::function<void()> on_begun{};
 
  private:
-  [[nodiscard]] bool has_own_life() const;
-  void begin_life();
+  [[nodiscard]] bool is_held_by_own_lease() const;
+  void begin_epoch();
   void log_generation() const;
-  void settle();
+  void check_open_attempts();
   void beat();
   void close_lost_nodes();
-  void note(const StoreFault& fault);
+  void log_fault(const StoreFault& fault);
 
   Parts parts_;
   NodeLease lease_;

@@ -9,7 +9,6 @@
 #include <fmt/format.h>
 
 #include "daemon/model/wall_clock.hpp"
-#include "daemon/service/aside.hpp"
 #include "daemon/service/calendar.hpp"
 #include "daemon/service/live/cut_dispatcher.hpp"
 #include "daemon/service/live/device_dispatcher.hpp"
@@ -18,6 +17,7 @@
 #include "daemon/service/repositories/recovery.hpp"
 #include "daemon/service/repositories/reports.hpp"
 #include "daemon/service/repositories/search_repository.hpp"
+#include "daemon/service/side_thread.hpp"
 #include "daemon/service/tokens.hpp"
 #include "daemon/store/sliced_copy.hpp"
 
@@ -94,11 +94,13 @@ struct Parts {
       const Answer<MaterialRecord> found = materials.find(name.empty() ? kUsualMaterial : name);
       return found ? found->json : std::string();
     };
-    designs.let_go = [this](const std::string& design) { plans.remove_unowned(design); };
-    designs.asset_let_go = [this](const std::string& asset) { searches.remove_unowned(asset); };
+    designs.owner_removed = [this](const std::string& design) { plans.remove_unowned(design); };
+    designs.asset_owner_removed = [this](const std::string& asset) {
+      searches.remove_unowned(asset);
+    };
     plans.begun = [this](const std::string& plan) { jobs.plan_begun(plan); };
-    plans.is_at = [this](const std::string& plan, const PlanningPhase& phase) {
-      jobs.plan_is_at(plan, phase);
+    plans.progressed = [this](const std::string& plan, const PlanningPhase& phase) {
+      jobs.plan_progressed(plan, phase);
     };
     plans.ended = [this](const std::string& plan) { jobs.plan_ended(plan); };
     jobs.live = [this](const std::string& job) {
@@ -129,7 +131,7 @@ struct Parts {
   Tokens tokens;
   DeviceRegistry registry;
   MaterialRepository materials;
-  Aside chores, reading;  ///< two, so that a long chore does not hold up a START
+  SideThread chores, reading;  ///< two, so that a long chore does not hold up a START
   DesignRepository designs;
   PlanningQueue plans;
   SearchRepository searches;
@@ -181,7 +183,7 @@ class AssembledService final : private PartsHolder, public Operations, public Li
       return metrics_text(parts_.store, parts_.jobs.table(), parts_.registry.list()) + own +
              parts_.fleet->metrics();
     } catch (const StoreFault& fault) {
-      parts_.store.note(fault);
+      parts_.store.handle_fault(fault);
       return own + parts_.fleet->metrics();
     }
   }
@@ -199,7 +201,7 @@ class AssembledService final : private PartsHolder, public Operations, public Li
     if (parts_.fleet) parts_.fleet->end();
   }
   void tick() override;
-  void checked(const std::string& damage) override { parts_.store.checked(damage); }
+  void check_ended(const std::string& damage) override { parts_.store.check_ended(damage); }
   void retune(ServiceTuning tuning) override {
     parts_.options.queue_jobs = tuning.queue_jobs;
     parts_.options.jobs_each = tuning.jobs_each;
@@ -233,8 +235,8 @@ Answer<void> AssembledService::begin() {
   const Answer<void> begun = parts_.fleet ? begin_in_fleet() : begin_alone();
   if (!begun) return begun;
   parts_.cutters.on_change(
-      [this, post = parts_.post] { post([this] { parts_.device_dispatcher.look(); }); });
-  parts_.device_dispatcher.look();
+      [this, post = parts_.post] { post([this] { parts_.device_dispatcher.refresh(); }); });
+  parts_.device_dispatcher.refresh();
   if (!parts_.fleet) {
     parts_.jobs.plans_ended_before();
     parts_.plans.pump();
@@ -253,7 +255,7 @@ Answer<void> AssembledService::begin_in_fleet() {
     parts_.registry.load();
     parts_.registry
         .load_others();  // before `look`: one of their cutters may be plugged in here now
-    parts_.device_dispatcher.look();
+    parts_.device_dispatcher.refresh();
     parts_.jobs.plans_ended_before();
     parts_.plans.pump();
     parts_.searches.pump();
@@ -286,8 +288,9 @@ void AssembledService::on_remote_event(const Event& event) {
     const std::string state = text_in(event, "state");
     if (state == name_of(JobState::Queued)) others_queued_ = true;
     if (state == name_of(JobState::Cancelled))
-      (void)parts_.store.look([&]() -> Answer<void> {
-        if (const Answer<JobRow> row = parts_.jobs.row(event.job)) parts_.plans.abandon(row->plan);
+      (void)parts_.store.read([&]() -> Answer<void> {
+        if (const Answer<JobRow> row = parts_.jobs.row(event.job))
+          parts_.plans.cancel_if_unwanted(row->plan);
         return {};
       });
   }
@@ -295,7 +298,7 @@ void AssembledService::on_remote_event(const Event& event) {
 
 void AssembledService::after_remote_events() {
   if (std::exchange(others_changed_, false))
-    (void)parts_.store.look([&]() -> Answer<void> {
+    (void)parts_.store.read([&]() -> Answer<void> {
       parts_.registry.load_others();
       return {};
     });
@@ -309,7 +312,7 @@ void AssembledService::on_fleet_notice(const std::string& notice) {
   try {
     parts_.store.deliver_new_events();
   } catch (const StoreFault& fault) {
-    parts_.store.note(fault);
+    parts_.store.handle_fault(fault);
   }
 }
 
@@ -370,7 +373,7 @@ Answer<Rendered> AssembledService::once(const Principal& who, const IdempotentRe
 
 Answer<std::vector<Event>> AssembledService::events(std::int64_t after, int limit,
                                                     const std::string& job) {
-  return parts_.store.look([&]() -> Answer<std::vector<Event>> {
+  return parts_.store.read([&]() -> Answer<std::vector<Event>> {
     if (!job.empty())
       if (const auto row = parts_.jobs.row(job); !row) return tl::unexpected(row.error());
     const int most = std::clamp(limit, 1, kMostEvents);
@@ -393,7 +396,7 @@ ServiceHealth AssembledService::health() {
     health.database =
         parts_.store.db().number("SELECT count(*) FROM tally") >= 0 && !parts_.store.degraded();
   } catch (const StoreFault& fault) {
-    parts_.store.note(fault);
+    parts_.store.handle_fault(fault);
     health.waits = parts_.store.in_fleet();
     if (health.waits) health.remark = parts_.store.problem_of(fault).detail;
   }
@@ -407,7 +410,7 @@ void AssembledService::usage(std::optional<TimeMs> from, std::optional<TimeMs> t
                              const std::string& by,
                              std::function<void(Answer<std::vector<UsageRow>>)> done) {
   auto sum = std::make_shared<std::optional<UsageSum>>();
-  const Answer<void> begun = parts_.store.look([&]() -> Answer<void> {
+  const Answer<void> begun = parts_.store.read([&]() -> Answer<void> {
     sum->emplace(parts_.store.db(), from, to, by);
     return {};
   });
@@ -415,7 +418,7 @@ void AssembledService::usage(std::optional<TimeMs> from, std::optional<TimeMs> t
   in_slices(
       "sums of usage",
       [this, sum] {
-        return parts_.store.look([&]() -> Answer<bool> { return (*sum)->step(kUsageAtOnce); });
+        return parts_.store.read([&]() -> Answer<bool> { return (*sum)->step(kUsageAtOnce); });
       },
       [sum, done = std::move(done)](const Answer<bool>& all) {
         if (!all) return done(tl::unexpected(all.error()));
@@ -457,7 +460,7 @@ Answer<void> AssembledService::check_idle() const {
 void AssembledService::copy(const std::string& path, std::function<Answer<std::string>()> finish,
                             std::function<void(Answer<std::string>)> done) {
   auto copy = std::make_shared<std::unique_ptr<SlicedCopy>>();
-  const Answer<void> begun = parts_.store.look([&]() -> Answer<void> {
+  const Answer<void> begun = parts_.store.read([&]() -> Answer<void> {
     remove_tree(path);
     *copy = std::make_unique<SlicedCopy>(*parts_.raw.file(), path);
     return {};
@@ -472,7 +475,7 @@ void AssembledService::copy(const std::string& path, std::function<Answer<std::s
         try {
           return (*copy)->step(kPagesAtOnce);
         } catch (const StoreFault& fault) {
-          if (fault.kind() == FaultKind::Corrupt) parts_.store.note(fault);
+          if (fault.kind() == FaultKind::Corrupt) parts_.store.handle_fault(fault);
           return tl::unexpected(parts_.store.problem_of(fault));
         } catch (const std::bad_alloc&) {
           return refuse(ProblemKind::Unavailable, "out of memory");
@@ -578,7 +581,7 @@ void AssembledService::tick() {
   if (parts_.fleet) parts_.fleet->tick();
   parts_.dispatcher.tick();
   parts_.cuts.tick();
-  parts_.device_dispatcher.look();
+  parts_.device_dispatcher.refresh();
   if (parts_.store.degraded()) return;
   if (!parts_.store.full()) parts_.jobs.catch_up();
   parts_.plans.pump();
@@ -595,7 +598,7 @@ void AssembledService::tick() {
     }
     if (!parts_.store.full() && has_old_rows()) prune();
   } catch (const StoreFault& fault) {
-    parts_.store.note(fault);
+    parts_.store.handle_fault(fault);
   }
 }
 

@@ -28,7 +28,7 @@ class LiveService : public Service {
   virtual void tick() = 0;
   /// The check of the whole database, which runs while the service begins, is over. If `damage` is
   /// empty, sheets may be armed; else nothing is written any more. On the service's thread.
-  virtual void checked(const std::string& damage) = 0;
+  virtual void check_ended(const std::string& damage) = 0;
   /// Changes options. Queued, armed and cutting jobs keep theirs. On the service's thread.
   virtual void retune(ServiceTuning tuning) = 0;
 

@@ -35,7 +35,7 @@ bool is_small(const std::string& folder, int sheet) {
 
 }  // namespace
 
-void ProgramShelf::want(const std::string& job, const std::string& folder, int sheet) {
+void ProgramShelf::read_ahead(const std::string& job, const std::string& folder, int sheet) {
   shelf_.erase(job);
   if (is_small(folder, sheet)) return;
   auto place = std::make_shared<Place>();
@@ -43,7 +43,7 @@ void ProgramShelf::want(const std::string& job, const std::string& folder, int s
   place->sheet = sheet;
   shelf_[job] = place;
   auto made = std::make_shared<Result<Program>>(place->program);
-  aside_.run(
+  side_thread_.run(
       [made, read = read_, folder, sheet] { *made = read_whole_program(read, folder, sheet); },
       [made, place] {
         place->program = std::move(*made);
@@ -59,7 +59,7 @@ std::optional<Result<ProgramShelf::Program>> ProgramShelf::find(const std::strin
       found != shelf_.end() && found->second->folder == folder && found->second->sheet == sheet;
   if (!is_there) {
     if (is_small(folder, sheet)) return read_whole_program(read_, folder, sheet);
-    want(job, folder, sheet);
+    read_ahead(job, folder, sheet);
     return std::nullopt;
   }
   if (!found->second->is_read) return std::nullopt;

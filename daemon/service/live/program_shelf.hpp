@@ -10,8 +10,8 @@
 #include <utility>
 
 #include "core/result.hpp"
-#include "daemon/service/aside.hpp"
 #include "daemon/service/service_options.hpp"
+#include "daemon/service/side_thread.hpp"
 
 namespace popcut::daemon {
 
@@ -25,12 +25,13 @@ class ProgramShelf {
     std::string sha256;  ///< of its bytes
   };
 
-  ProgramShelf(Aside& aside, const Read& read) : aside_(aside), read_(read) {}
+  ProgramShelf(SideThread& side_thread, const Read& read)
+      : side_thread_(side_thread), read_(read) {}
   ProgramShelf(const ProgramShelf&) = delete;
   ProgramShelf& operator=(const ProgramShelf&) = delete;
 
   /// Begins to read the program if it is large. It replaces the earlier one of `job`.
-  void want(const std::string& job, const std::string& folder, int sheet);
+  void read_ahead(const std::string& job, const std::string& folder, int sheet);
   /// The program, which is kept until `forget`; nothing while it is still being read.
   [[nodiscard]] std::optional<Result<Program>> find(const std::string& job,
                                                     const std::string& folder, int sheet);
@@ -43,7 +44,7 @@ class ProgramShelf {
     bool is_read{false};
     Result<Program> program = fail(ErrorKind::Internal, "", "it was not read");
   };
-  Aside& aside_;
+  SideThread& side_thread_;
   const Read& read_;
   std::map<std::string, std::shared_ptr<Place>> shelf_{};
 };

@@ -39,7 +39,7 @@ std::string text_of_attention(const SessionProgress& progress) {
   return "the machine accepts no data; check whether it is jammed or waits for input at its panel";
 }
 
-Error given_up(const std::string& why) {
+Error unrecordable(const std::string& why) {
   return {ErrorKind::Unwritable, "", "the cut stops because it cannot be recorded: " + why};
 }
 
@@ -73,24 +73,25 @@ class RunningCuts::Journal final : public CutJournal {
 
   Result<void> intend(std::int64_t last_stroke) override {
     using Clock = std::chrono::steady_clock;
-    Result<void> done = tl::unexpected(given_up("popcutd is stopping"));
+    Result<void> done = tl::unexpected(unrecordable("popcutd is stopping"));
     const Clock::time_point begun = Clock::now();
     try {
       // Write the files beside the database first, then the database, so that neither can lose its
       // end unnoticed. Write the files on this thread, because other work waits for the service's.
-      if (const Result<void> beside = intend_beside(last_stroke); !beside) return beside;
+      if (const Result<void> beside = intend_in_files(last_stroke); !beside) return beside;
       // In a fleet the files are enough: a database that does not answer must not end a cut.
       if (is_in_fleet_) {
-        post_([cuts = &cuts_, cut = cut_, last_stroke] { (void)cuts->intended(*cut, last_stroke); },
+        post_([cuts = &cuts_, cut = cut_,
+               last_stroke] { (void)cuts->record_intent(*cut, last_stroke); },
               Poster::Lane::Cutting);
         return {};
       }
       post_.run(Poster::Lane::Cutting, [&] {
         note_wait();
-        done = cuts_.intended(*cut_, last_stroke);
+        done = cuts_.record_intent(*cut_, last_stroke);
       });
     } catch (const std::exception& fault) {
-      done = tl::unexpected(given_up(fault.what()));
+      done = tl::unexpected(unrecordable(fault.what()));
     }
     waited_s_ = std::chrono::duration<double>(Clock::now() - begun).count();
     return done;
@@ -145,7 +146,7 @@ class RunningCuts::Journal final : public CutJournal {
   }
 
  private:
-  Result<void> intend_beside(std::int64_t last_stroke) {
+  Result<void> intend_in_files(std::int64_t last_stroke) {
     for (bool again = true;; again = false) {
       try {
         cut_->intents->intend(last_stroke);
@@ -153,7 +154,7 @@ class RunningCuts::Journal final : public CutJournal {
       } catch (const StoreFault& fault) {
         bool may = false;
         post_.run(Poster::Lane::Cutting, [&] { may = cuts_.may_write_again(fault); });
-        if (!again || !may) return tl::unexpected(given_up(fault.what()));
+        if (!again || !may) return tl::unexpected(unrecordable(fault.what()));
       }
     }
   }
@@ -229,7 +230,7 @@ void RunningCuts::start(std::shared_ptr<Cut> cut, CutOrder order) {
   state = InDoubt{};
   try {
     cut->intents = parts_.intents.begin(head_of(attempt));
-    parts_.store.fenced(parts_.jobs.attempts().start(attempt));
+    parts_.store.note_fence(parts_.jobs.attempts().start(attempt));
   } catch (const StoreFault& fault) {
     if (fault.kind() == FaultKind::Constraint) cuts_.erase(attempt.id);
     throw;
@@ -270,7 +271,8 @@ void RunningCuts::record_refusal(const std::string& attempt) {
     const Answer<void> recorded = parts_.store.change([&]() -> Answer<void> {
       AttemptTable& attempts = parts_.jobs.attempts();
       // In a fleet another node may have called it lost, and a person may have acted on that.
-      const bool is_ours = take_up(parts_.store, parts_.jobs, attempt, false) == TakeUp::Goes;
+      const bool is_ours =
+          reconcile(parts_.store, parts_.jobs, attempt, false) == CutStanding::Current;
       Answer<JobRow> row = parts_.jobs.row(refused.cut->attempt.job);
       if (!row && !is_ours) return {};
       if (!row) return tl::unexpected(row.error());
@@ -278,7 +280,7 @@ void RunningCuts::record_refusal(const std::string& attempt) {
       if (known && (!known->ended || known->end_kind == "lost"))
         attempts.never_started(attempt, parts_.store.now());
       if (is_ours)
-        parts_.jobs.take_left(*row, step_of(row->state, JobEvent::CutRefused), refused.why);
+        parts_.jobs.apply_or_cancel(*row, step_of(row->state, JobEvent::CutRefused), refused.why);
       return {};
     });
     if (!recorded) return;  // the tick tries again
@@ -301,8 +303,8 @@ bool RunningCuts::revoke_start(const AttemptRow& attempt) {
     Answer<JobRow> row = parts_.jobs.row(attempt.job);
     parts_.jobs.attempts().never_started(attempt.id, parts_.store.now());
     if (row && !is_terminal(row->state))
-      parts_.jobs.take_left(*row, step_of(row->state, JobEvent::CutRefused),
-                            "the database went away during the start; nothing was sent");
+      parts_.jobs.apply_or_cancel(*row, step_of(row->state, JobEvent::CutRefused),
+                                  "the database went away during the start; nothing was sent");
     return {};
   });
   if (noted) cuts_.erase(found);
@@ -312,15 +314,15 @@ bool RunningCuts::revoke_start(const AttemptRow& attempt) {
 // 3. While it is cut.
 
 bool RunningCuts::may_write_again(const StoreFault& fault) {
-  parts_.store.note(fault);
+  parts_.store.handle_fault(fault);
   return fault.kind() == FaultKind::Full && parts_.store.folder().free_reserve();
 }
 
-Result<void> RunningCuts::intended(Cut& cut, std::int64_t last_stroke) {
+Result<void> RunningCuts::record_intent(Cut& cut, std::int64_t last_stroke) {
   name_turn("intent of a cut");
   ServiceStore& store = parts_.store;
-  if (store.degraded()) return tl::unexpected(given_up("the database failed"));
-  if (find_running(cut.attempt.id) == nullptr) return tl::unexpected(given_up("it has ended"));
+  if (store.degraded()) return tl::unexpected(unrecordable("the database failed"));
+  if (find_running(cut.attempt.id) == nullptr) return tl::unexpected(unrecordable("it has ended"));
   AttemptMarks marks = cut.marks;
   Cut::Settled settled;
   {
@@ -344,7 +346,7 @@ Result<void> RunningCuts::intended(Cut& cut, std::int64_t last_stroke) {
   };
   if (!store.in_fleet()) {
     if (const Answer<void> done = store_marks(); !done)
-      return tl::unexpected(given_up(done.error().detail));
+      return tl::unexpected(unrecordable(done.error().detail));
     note_marks();
     return {};
   }
@@ -368,7 +370,7 @@ void RunningCuts::progressed(Running& running, const SessionProgress& progress) 
     const std::lock_guard lock(cut.mutex);
     is_new = cut.settled.is_new;
   }
-  if (is_new && !parts_.store.degraded()) (void)intended(cut, cut.marks.intended);
+  if (is_new && !parts_.store.degraded()) (void)record_intent(cut, cut.marks.intended);
   cut.live.seconds_left = progress.seconds_left;
   cut.live.done = static_cast<std::int64_t>(progress.strokes_done);
   if (progress.strokes > 0)
@@ -376,10 +378,10 @@ void RunningCuts::progressed(Running& running, const SessionProgress& progress) 
         static_cast<double>(progress.strokes_done) / static_cast<double>(progress.strokes);
   const bool is_new_phase = std::exchange(running.progress, progress).phase != progress.phase;
   std::optional<JobRow> shown;
-  const Answer<void> noted = parts_.store.look([&]() -> Answer<void> {
+  const Answer<void> noted = parts_.store.read([&]() -> Answer<void> {
     Answer<JobRow> row = parts_.jobs.row(cut.attempt.job);
     if (!row) return tl::unexpected(row.error());
-    show_progress(running, *row);
+    record_progress(running, *row);
     shown = std::move(*row);
     return {};
   });
@@ -389,7 +391,7 @@ void RunningCuts::progressed(Running& running, const SessionProgress& progress) 
 
 // Changes the job if the last progress says that a pause has come into effect, or that a person
 // should see to something.
-void RunningCuts::show_progress(Running& running, JobRow& row) {
+void RunningCuts::record_progress(Running& running, JobRow& row) {
   const SessionProgress& progress = running.progress;
   const auto begins_pause = [&](const JobRow& job) {
     return running.is_held() &&
@@ -403,7 +405,7 @@ void RunningCuts::show_progress(Running& running, JobRow& row) {
     // Read it again each time: on a full disk this runs twice, and another node may change the job.
     Answer<JobRow> job = parts_.jobs.row(row.id);
     if (!job) return tl::unexpected(job.error());
-    if (begins_pause(*job)) parts_.jobs.take(*job, step_of(job->state, JobEvent::CutHeld), "");
+    if (begins_pause(*job)) parts_.jobs.apply(*job, step_of(job->state, JobEvent::CutHeld), "");
     if (attention != running.attention) {
       job->reason = is_paused_at_panel(progress) ? "panel_pause" : attention;
       parts_.jobs.set_attention(*job, attention, text_of_attention(progress));
@@ -467,7 +469,7 @@ void RunningCuts::cancel(const std::string& job, const std::string& device) {
 void RunningCuts::apply_remote_request(const std::string& job) {
   Running* const running = find_running_of(job);
   if (running == nullptr) return;
-  (void)parts_.store.look([&]() -> Answer<void> {
+  (void)parts_.store.read([&]() -> Answer<void> {
     const Answer<JobRow> row = parts_.jobs.row(job);
     if (!row) return {};
     const std::string& device = running->cut->attempt.device;
@@ -492,12 +494,12 @@ void RunningCuts::reclaim() {
     const Running* const running = find_running(attempt);
     if (running == nullptr) continue;
     const AttemptRow& row = running->cut->attempt;
-    TakeUp found = TakeUp::Goes;
+    CutStanding found = CutStanding::Current;
     const Answer<void> stored = parts_.store.change([&]() -> Answer<void> {
-      found = take_up(parts_.store, parts_.jobs, attempt, running->is_held());
+      found = reconcile(parts_.store, parts_.jobs, attempt, running->is_held());
       return {};
     });
-    if (!stored || found != TakeUp::Superseded) continue;
+    if (!stored || found != CutStanding::Superseded) continue;
     parts_.store.log(
         fmt::format("job {} sheet {}: while this node did not answer, somebody decided otherwise; "
                     "the cut stops",
@@ -515,7 +517,7 @@ void RunningCuts::tick() {
     if (running == nullptr || running->progress.strokes == 0 ||
         now - running->published_ms < kRepeatAfter_ms)
       continue;
-    (void)parts_.store.look([&]() -> Answer<void> {
+    (void)parts_.store.read([&]() -> Answer<void> {
       if (const Answer<JobRow> row = parts_.jobs.row(running->cut->attempt.job))
         publish(*running, *row);
       return {};
@@ -534,7 +536,7 @@ void RunningCuts::tick() {
   // A held cut reports no progress, so its marks are stored here.
   for (const std::string& attempt : all_in<Running>())
     if (Cut& cut = *find_running(attempt)->cut; cut.is_unmarked)
-      (void)intended(cut, cut.marks.intended);
+      (void)record_intent(cut, cut.marks.intended);
   for (const std::string& attempt : all_in<Ended>()) try_to_record_end(attempt);
 }
 
@@ -571,13 +573,13 @@ Answer<void> RunningCuts::record_end(const Ended& ended) {
   Cut& cut = *ended.cut;
   const AttemptRow& attempt = cut.attempt;
   const SessionEnd& end = ended.end;
-  switch (take_up(parts_.store, parts_.jobs, attempt.id, ended.was_held)) {
-    case TakeUp::Goes:
+  switch (reconcile(parts_.store, parts_.jobs, attempt.id, ended.was_held)) {
+    case CutStanding::Current:
       break;
-    case TakeUp::Superseded:
+    case CutStanding::Superseded:
       record_superseded(ended);
       return {};
-    case TakeUp::Ended:
+    case CutStanding::Recorded:
       return {};
   }
   Answer<JobRow> row = parts_.jobs.row(attempt.job);
@@ -628,14 +630,14 @@ void RunningCuts::change_job(JobRow& row, const CutVerdict& verdict, bool is_can
   JobRepository& jobs = parts_.jobs;
   if (verdict.complete) {
     const std::string reason = is_cancelled ? row.reason : "";
-    jobs.take(row, step_of(row.state, JobEvent::CutCompletes), "");
+    jobs.apply(row, step_of(row.state, JobEvent::CutCompletes), "");
     // A cancel that came after the last stroke of the last sheet came too late.
-    if (is_cancelled && !is_terminal(row.state)) jobs.take(row, Step::ToCancelled, reason);
+    if (is_cancelled && !is_terminal(row.state)) jobs.apply(row, Step::ToCancelled, reason);
   } else if (is_cancelled) {
-    jobs.take(row, step_of(row.state, JobEvent::CutStops), row.reason);
+    jobs.apply(row, step_of(row.state, JobEvent::CutStops), row.reason);
   } else {
     jobs.set_attention(row, verdict.attention, verdict.text);
-    jobs.take(
+    jobs.apply(
         row,
         step_of(row.state, verdict.unconfirmed ? JobEvent::CutUnconfirmed : JobEvent::CutBreaks),
         verdict.kind);

@@ -83,10 +83,10 @@ class RunningCuts {
 
   void hand_over(const std::string& attempt, CutOrder order);
   void record_refusal(const std::string& attempt);
-  [[nodiscard]] Result<void> intended(Cut& cut, std::int64_t last_stroke);
+  [[nodiscard]] Result<void> record_intent(Cut& cut, std::int64_t last_stroke);
   [[nodiscard]] bool may_write_again(const StoreFault& fault);
   void progressed(Running& running, const SessionProgress& progress);
-  void show_progress(Running& running, JobRow& row);
+  void record_progress(Running& running, JobRow& row);
   void publish(Running& running, const JobRow& row);
   void ended(const std::string& attempt, const SessionEnd& end);
   void try_to_record_end(const std::string& attempt);

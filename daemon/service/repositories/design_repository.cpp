@@ -119,13 +119,15 @@ std::optional<Design> DesignRepository::row(const std::string& id, std::string* 
   return design_of(rows);
 }
 
-bool DesignRepository::own(const Principal& who, const Design& design, const std::string& name) {
+bool DesignRepository::add_owner(const Principal& who, const Design& design,
+                                 const std::string& name) {
   owners_.hold(Owned::Design, design.id);
   if (!owners_.add(Owned::Design, design.id, {who.name, name, store_.now()})) return false;
   for (const std::string& asset : design.assets)
-    own_asset(who, asset,
-              first_of(store_.db().rows("SELECT name FROM asset WHERE id=?", asset), first_text)
-                  .value_or(""));
+    add_asset_owner(
+        who, asset,
+        first_of(store_.db().rows("SELECT name FROM asset WHERE id=?", asset), first_text)
+            .value_or(""));
   return true;
 }
 
@@ -137,10 +139,10 @@ Answer<std::optional<Design>> DesignRepository::known(const Principal& who, cons
   using Known = Answer<std::optional<Design>>;
   std::string type;
   const Answer<std::optional<Design>> there =
-      store_.look([&]() -> Known { return row(id, &type, who.name); });
+      store_.read([&]() -> Known { return row(id, &type, who.name); });
   if (!there || !*there) return there;
   if (store_
-          .look([&]() -> Known {
+          .read([&]() -> Known {
             return owners_.has(Owned::Design, id, who.name) ? *there : std::nullopt;
           })
           .value_or(std::nullopt))
@@ -149,7 +151,7 @@ Answer<std::optional<Design>> DesignRepository::known(const Principal& who, cons
   return store_.change([&]() -> Known {
     const std::optional<Design> design = row(id);
     if (!design) return std::nullopt;
-    const bool is_new = own(who, *design, name);
+    const bool is_new = add_owner(who, *design, name);
     if (is_new) store_.audit(who.name, "add-design", id, name);
     if (is_new) store_.emit("notice", "", JsonObject().text("design", id).text("what", "added"));
     std::optional<Design> owned = row(id, nullptr, who.name);
@@ -177,7 +179,8 @@ void DesignRepository::add(const Principal& who, Upload upload, std::string medi
   // Its assets may have been uploaded at another node.
   if (store_.in_fleet() && upload.bytes <= kNewSpecBytes)
     for (const std::string& asset : digests_in(upload.path, kNewSpecBytes))
-      if (const auto here = store_.bring("assets/" + asset); !here) return give_up(here.error());
+      if (const auto here = store_.fetch_file("assets/" + asset); !here)
+        return give_up(here.error());
   PlanningTask task;
   task.kind = PlanningTask::Kind::Check;
   task.who = who.name;
@@ -199,14 +202,14 @@ void DesignRepository::add(const Principal& who, Upload upload, std::string medi
             outcome = tl::unexpected(kept.error());
         post([this, who, upload, media_type, name, done,
               held = std::make_shared<Result<PlanningOutcome>>(std::move(outcome))] {
-          checked(who, upload, media_type, name, std::move(*held), done);
+          upload_checked(who, upload, media_type, name, std::move(*held), done);
         });
       });
 }
 
-void DesignRepository::checked(const Principal& who, const Upload& upload,
-                               const std::string& media_type, const std::string& name,
-                               Result<PlanningOutcome> outcome, const Added& done) {
+void DesignRepository::upload_checked(const Principal& who, const Upload& upload,
+                                      const std::string& media_type, const std::string& name,
+                                      Result<PlanningOutcome> outcome, const Added& done) {
   name_turn("design checked");
   if (!outcome) {
     remove_tree(upload.path);
@@ -224,7 +227,7 @@ Answer<Design> DesignRepository::store(const Principal& who, const Upload& uploa
   return store_.change([&]() -> Answer<Design> {
     // Another upload of the same bytes may have been faster.
     if (const auto before = row(id)) {
-      const bool is_new = own(who, *before, name);
+      const bool is_new = add_owner(who, *before, name);
       Design owned = *row(id, nullptr, who.name);
       owned.is_new = is_new;
       return owned;
@@ -247,7 +250,7 @@ Answer<Design> DesignRepository::store(const Principal& who, const Upload& uploa
     store_.db().insert("design(id, name, kind, owner, bytes, created, assets, media_type)", id,
                        name, design.kind, design.owner, design.bytes, design.created,
                        json_list(design.assets), media_type);
-    own(who, design, name);
+    add_owner(who, design, name);
     store_.audit(who.name, "add-design", id, name);
     store_.emit("notice", "", JsonObject().text("design", id).text("what", "added"));
     return design;
@@ -263,7 +266,7 @@ Answer<Asset> DesignRepository::add_asset(const Principal& who, const Upload& up
       return tl::unexpected(fine.error());
     owners_.hold(Owned::Asset, id);
     if (asset_row(id, who.name)) {
-      const bool is_new = own_asset(who, id, upload.name);
+      const bool is_new = add_asset_owner(who, id, upload.name);
       if (is_new) store_.audit(who.name, "add-asset", id, "");
       Asset owned = *asset_row(id, who.name);
       owned.is_new = is_new;
@@ -283,10 +286,10 @@ Answer<Asset> DesignRepository::add_asset(const Principal& who, const Upload& up
                       .created = store_.now()};
     store_.db().insert("asset(id, bytes, created, name, owner)", id, asset.bytes, asset.created,
                        asset.name, asset.owner);
-    own_asset(who, id, asset.name);
+    add_asset_owner(who, id, asset.name);
     if (!store_.files().keep_small("assets/" + id))
       store_.after_commit([this, id] {
-        aside_.run([files = &store_.files(), id] { (void)files->keep("assets/" + id); });
+        side_thread_.run([files = &store_.files(), id] { (void)files->keep("assets/" + id); });
       });
     store_.audit(who.name, "add-asset", id, "");
     return asset;
@@ -309,7 +312,7 @@ Page<Design> DesignRepository::list(const Principal& who, const PageRequest& req
 }
 
 Answer<Design> DesignRepository::find(const Principal& who, const std::string& id) {
-  return store_.look([&]() -> Answer<Design> {
+  return store_.read([&]() -> Answer<Design> {
     if (const auto found = row(id, nullptr, who.name)) return *found;
     return refuse(ProblemKind::NotFound, fmt::format("there is no design {:?}", id));
   });
@@ -318,18 +321,18 @@ Answer<Design> DesignRepository::find(const Principal& who, const std::string& i
 Answer<Design> DesignRepository::find(const std::string& id) { return find(Principal{}, id); }
 
 Answer<std::string> DesignRepository::content(const std::string& id) {
-  const Answer<Design> design = here(id);
+  const Answer<Design> design = find_and_fetch(id);
   if (!design) return tl::unexpected(design.error());
   return store_.folder().at("designs/" + design->id);
 }
 
-Answer<Design> DesignRepository::here(const std::string& id) {
+Answer<Design> DesignRepository::find_and_fetch(const std::string& id) {
   Answer<Design> design = find(id);
   if (!design) return design;
-  if (const auto brought = store_.bring("designs/" + id); !brought)
+  if (const auto brought = store_.fetch_file("designs/" + id); !brought)
     return tl::unexpected(brought.error());
   for (const std::string& asset : design->assets)
-    if (const auto brought = store_.bring("assets/" + asset); !brought)
+    if (const auto brought = store_.fetch_file("assets/" + asset); !brought)
       return tl::unexpected(brought.error());
   return design;
 }
@@ -364,21 +367,21 @@ Answer<void> DesignRepository::remove(const Principal& who, const std::string& i
                       other->name, other->created, id);
     } else {
       if (const auto free = check_jobs(id, ""); !free) return free;
-      remove_row(id);
+      delete_design(id);
     }
     store_.audit(who.name, "delete-design", id, design->name);
-    if (let_go) let_go(id);
+    if (owner_removed) owner_removed(id);
     return {};
   });
 }
 
-void DesignRepository::remove_row(const std::string& id) {
+void DesignRepository::delete_design(const std::string& id) {
   store_.db().run("DELETE FROM design WHERE id=?", id);
   store_.files().forget("designs/" + id);
   store_.after_commit([this, id] {
-    aside_.remove(store_.folder().at("designs/" + id));
-    aside_.remove(store_.folder().at("previews/" + id + ".svg"));
-    for (const char* const name : kPictures) aside_.remove(picture_place(id, name));
+    side_thread_.remove(store_.folder().at("designs/" + id));
+    side_thread_.remove(store_.folder().at("previews/" + id + ".svg"));
+    for (const char* const name : kPictures) side_thread_.remove(picture_path(id, name));
   });
 }
 
@@ -388,7 +391,7 @@ PlanningTask DesignRepository::task_for(const Design& design, PlanningTask::Kind
   task.design_path = store_.folder().at("designs/" + design.id);
   task.design_kind = design.kind;
   (void)row(design.id, &task.media_type);
-  if (design.kind == "spec") task.material_json = row_of_material(own_material(design));
+  if (design.kind == "spec") task.material_json = row_of_material(material_in_spec(design));
   // The planner reports a missing asset, with its place in the spec.
   for (const std::string& asset : design.assets)
     if (std::string place = store_.folder().at("assets/" + asset); exists(place))
@@ -396,7 +399,7 @@ PlanningTask DesignRepository::task_for(const Design& design, PlanningTask::Kind
   return task;
 }
 
-std::string DesignRepository::own_material(const Design& design) {
+std::string DesignRepository::material_in_spec(const Design& design) {
   if (design.kind != "spec" || design.bytes > kSpecBytes) return {};
   if (const auto known = materials_.find(design.id); known != materials_.end())
     return known->second;
@@ -412,12 +415,12 @@ std::string DesignRepository::row_of_material(const std::string& name) const {
 
 void DesignRepository::preview(const Principal& who, const std::string& id,
                                std::function<void(Answer<std::string>)> done) {
-  const Answer<Design> design = here(id);
+  const Answer<Design> design = find_and_fetch(id);
   if (!design) return done(tl::unexpected(design.error()));
   const std::string place = store_.folder().at("previews/" + id + ".svg");
   std::error_code ignored;
   if (const auto bytes = std::filesystem::file_size(place, ignored); !ignored && bytes > 0) {
-    return read_aside(place, std::move(done));
+    return read_on_side_thread(place, std::move(done));
   }
   PlanningTask task = task_for(*design, PlanningTask::Kind::Check);
   task.who = who.name;

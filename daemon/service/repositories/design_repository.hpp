@@ -12,10 +12,10 @@
 #include "daemon/model/input_limits.hpp"
 #include "daemon/planning/planner.hpp"
 #include "daemon/previews/previewer.hpp"
-#include "daemon/service/aside.hpp"
 #include "daemon/service/service.hpp"
 #include "daemon/service/service_store.hpp"
 #include "daemon/service/service_thread.hpp"
+#include "daemon/service/side_thread.hpp"
 #include "daemon/store/ownership_table.hpp"
 
 namespace popcut::daemon {
@@ -29,12 +29,12 @@ class DesignRepository : public Designs {
  public:
   /// @param previewer  may be null; then there are no previews
   DesignRepository(ServiceStore& store, Poster post, Planner& planner,
-                   std::shared_ptr<Previewer> previewer, Aside& aside)
+                   std::shared_ptr<Previewer> previewer, SideThread& side_thread)
       : store_(store),
         post_(std::move(post)),
         planner_(planner),
         previewer_(std::move(previewer)),
-        aside_(aside),
+        side_thread_(side_thread),
         owners_(store.db()) {}
 
   using Added = std::function<void(Answer<Design>)>;
@@ -52,48 +52,48 @@ class DesignRepository : public Designs {
   /// them.
   ///
   /// @retval Unavailable  they are still being fetched
-  [[nodiscard]] Answer<Design> here(const std::string& id);
+  [[nodiscard]] Answer<Design> find_and_fetch(const std::string& id);
   Answer<void> remove(const Principal& who, const std::string& id) override;
   void preview(const Principal& who, const std::string& id,
                std::function<void(Answer<std::string>)> done) override;
-  CallOff show_spec(const Principal& who, const PreviewRequest& request, Shown done) override;
-  CallOff place_spec(const Principal& who, const PreviewRequest& request, Shown done) override;
-  CallOff lattice(const Principal& who, const std::string& id,
-                  const std::map<std::string, std::string>& reading, Shown done) override;
+  CancelView show_spec(const Principal& who, const PreviewRequest& request, OnView done) override;
+  CancelView place_spec(const Principal& who, const PreviewRequest& request, OnView done) override;
+  CancelView lattice(const Principal& who, const std::string& id,
+                     const std::map<std::string, std::string>& reading, OnView done) override;
   void picture(const Principal& who, const std::string& id, const std::string& name,
-               Shown done) override;
-  std::string material_mark(const std::string& id) override;
-  CallOff file(const Principal& who, const std::string& id, const std::string& name, int part,
-               Shown done) override;
+               OnView done) override;
+  std::string material_etag_suffix(const std::string& id) override;
+  CancelView file(const Principal& who, const std::string& id, const std::string& name, int part,
+                  OnView done) override;
 
   /// Has the previewer make the file `name`, and calls `done` with its content.
-  CallOff show(PreviewTask task, std::string name, Shown done);
+  CancelView show(PreviewTask task, std::string name, OnView done);
   /// The path of an asset, which is fetched if another node has it.
   ///
   /// @retval NotFound     there is no such asset
   /// @retval Unavailable  it is still being fetched
-  [[nodiscard]] Answer<std::string> asset_place(const std::string& id);
+  [[nodiscard]] Answer<std::string> asset_path(const std::string& id);
   /// The planner's task for a stored design: its bytes, kind and assets.
   [[nodiscard]] PlanningTask task_for(const Design& design, PlanningTask::Kind kind);
   /// Makes `who` an owner of a design and of its assets, in a transaction. Returns true if `who`
   /// was not an owner before.
-  bool own(const Principal& who, const Design& design, const std::string& name);
+  bool add_owner(const Principal& who, const Design& design, const std::string& name);
   /// The same of an asset.
-  bool own_asset(const Principal& who, const std::string& id, const std::string& name);
+  bool add_asset_owner(const Principal& who, const std::string& id, const std::string& name);
   [[nodiscard]] OwnershipTable& owners() { return owners_; }
   /// The material that a spec names; empty if it names none.
-  [[nodiscard]] std::string own_material(const Design& design);
+  [[nodiscard]] std::string material_in_spec(const Design& design);
   /// The row of a material as JSON, for an empty name that of the usual one; empty if there is no
   /// such material.
   std::function<std::string(const std::string& name)> material_row{};
   /// Called in the transaction that removes a design, or one of its owners.
-  std::function<void(const std::string& design)> let_go{};
+  std::function<void(const std::string& design)> owner_removed{};
   /// Called in the transaction that removes an asset, or one of its owners.
-  std::function<void(const std::string& asset)> asset_let_go{};
+  std::function<void(const std::string& asset)> asset_owner_removed{};
 
  private:
-  void checked(const Principal& who, const Upload& upload, const std::string& media_type,
-               const std::string& name, Result<PlanningOutcome> outcome, const Added& done);
+  void upload_checked(const Principal& who, const Upload& upload, const std::string& media_type,
+                      const std::string& name, Result<PlanningOutcome> outcome, const Added& done);
   [[nodiscard]] Answer<Design> store(const Principal& who, const Upload& upload,
                                      const std::string& media_type, const std::string& name,
                                      const PlanningOutcome& outcome);
@@ -107,7 +107,7 @@ class DesignRepository : public Designs {
   /// Refuses if an unfinished job of `owner` uses the design; if `owner` is empty, a job of
   /// anybody.
   [[nodiscard]] Answer<void> check_jobs(const std::string& design, const std::string& owner);
-  void remove_row(const std::string& id);
+  void delete_design(const std::string& id);
   /// The designs that refer to an asset: some of them, and how many there are.
   struct Referring {
     std::vector<std::string> some;
@@ -127,20 +127,20 @@ class DesignRepository : public Designs {
   Poster post_;
   Planner& planner_;
   std::shared_ptr<Previewer> previewer_;
-  Aside& aside_;
+  SideThread& side_thread_;
   OwnershipTable owners_;
   /// The path of a picture of a design.
-  [[nodiscard]] std::string picture_place(const std::string& id, const std::string& name) const;
+  [[nodiscard]] std::string picture_path(const std::string& id, const std::string& name) const;
   void pictures_made(const std::string& id, const Answer<PlanningOutcome>& outcome);
   /// Reads a stored file on another thread.
-  void read_aside(const std::string& place, Shown done);
+  void read_on_side_thread(const std::string& place, OnView done);
   struct PictureRequest {
     std::string name;
-    Shown done;
+    OnView done;
   };
   /// Requests that wait for the pictures of a design, by design.
   std::map<std::string, std::vector<PictureRequest>> picture_requests_{};
-  std::map<std::string, std::string> materials_{};  ///< results of `own_material`, by design
+  std::map<std::string, std::string> materials_{};  ///< results of `material_in_spec`, by design
 };
 
 /// Checks text from people: no control characters, and not longer than `limit`.

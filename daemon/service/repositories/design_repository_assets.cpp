@@ -60,8 +60,8 @@ std::optional<Asset> DesignRepository::asset_row(const std::string& id, const st
                   asset_of);
 }
 
-bool DesignRepository::own_asset(const Principal& who, const std::string& id,
-                                 const std::string& name) {
+bool DesignRepository::add_asset_owner(const Principal& who, const std::string& id,
+                                       const std::string& name) {
   owners_.hold(Owned::Asset, id);
   return owners_.add(Owned::Asset, id, {who.name, name, store_.now()});
 }
@@ -77,10 +77,10 @@ Answer<void> DesignRepository::check_assets(const std::vector<std::string>& asse
   return {};
 }
 
-Answer<std::string> DesignRepository::asset_place(const std::string& id) {
+Answer<std::string> DesignRepository::asset_path(const std::string& id) {
   if (store_.db().number("SELECT EXISTS(SELECT 1 FROM asset WHERE id=?)", id) == 0)
     return refuse(ProblemKind::NotFound, fmt::format("there is no asset {:?}", id));
-  if (const auto brought = store_.bring("assets/" + id); !brought)
+  if (const auto brought = store_.fetch_file("assets/" + id); !brought)
     return tl::unexpected(brought.error());
   return store_.folder().at("assets/" + id);
 }
@@ -117,10 +117,10 @@ Answer<void> DesignRepository::remove_asset(const Principal& who, const std::str
       if (const auto free = check_designs(id, ""); !free) return free;
       store_.db().run("DELETE FROM asset WHERE id=?", id);
       store_.files().forget("assets/" + id);
-      store_.after_commit([this, id] { aside_.remove(store_.folder().at("assets/" + id)); });
+      store_.after_commit([this, id] { side_thread_.remove(store_.folder().at("assets/" + id)); });
     }
     store_.audit(who.name, "delete-asset", id, "");
-    if (asset_let_go) asset_let_go(id);
+    if (asset_owner_removed) asset_owner_removed(id);
     return {};
   });
 }

@@ -41,7 +41,7 @@ PreviewTask DesignRepository::task_for(const Principal& who, const PreviewReques
   return task;
 }
 
-Designs::CallOff DesignRepository::show(PreviewTask task, std::string name, Shown done) {
+Designs::CancelView DesignRepository::show(PreviewTask task, std::string name, OnView done) {
   if (!previewer_) {
     done(no_previewer());
     return [] {};
@@ -57,8 +57,8 @@ Designs::CallOff DesignRepository::show(PreviewTask task, std::string name, Show
   };
 }
 
-Designs::CallOff DesignRepository::show_spec(const Principal& who, const PreviewRequest& request,
-                                             Shown done) {
+Designs::CancelView DesignRepository::show_spec(const Principal& who, const PreviewRequest& request,
+                                                OnView done) {
   PreviewTask task = task_for(who, request, PlanningTask::Kind::Preview);
   task.task.options["quality"] = request.is_draft ? "draft" : "exact";
   task.key = request.key;
@@ -66,15 +66,15 @@ Designs::CallOff DesignRepository::show_spec(const Principal& who, const Preview
   return show(std::move(task), kLattice, std::move(done));
 }
 
-Designs::CallOff DesignRepository::place_spec(const Principal& who, const PreviewRequest& request,
-                                              Shown done) {
+Designs::CancelView DesignRepository::place_spec(const Principal& who,
+                                                 const PreviewRequest& request, OnView done) {
   return show(task_for(who, request, PlanningTask::Kind::Place), kSpec, std::move(done));
 }
 
-Designs::CallOff DesignRepository::lattice(const Principal& who, const std::string& id,
-                                           const std::map<std::string, std::string>& reading,
-                                           Shown done) {
-  const Answer<Design> design = here(id);
+Designs::CancelView DesignRepository::lattice(const Principal& who, const std::string& id,
+                                              const std::map<std::string, std::string>& reading,
+                                              OnView done) {
+  const Answer<Design> design = find_and_fetch(id);
   if (!design) {
     done(tl::unexpected(design.error()));
     return [] {};
@@ -84,9 +84,9 @@ Designs::CallOff DesignRepository::lattice(const Principal& who, const std::stri
   return show(std::move(task), kLattice, std::move(done));
 }
 
-Designs::CallOff DesignRepository::file(const Principal& who, const std::string& id,
-                                        const std::string& name, int part, Shown done) {
-  const Answer<Design> design = here(id);
+Designs::CancelView DesignRepository::file(const Principal& who, const std::string& id,
+                                           const std::string& name, int part, OnView done) {
+  const Answer<Design> design = find_and_fetch(id);
   if (!design) {
     done(tl::unexpected(design.error()));
     return [] {};
@@ -97,40 +97,40 @@ Designs::CallOff DesignRepository::file(const Principal& who, const std::string&
   return show(std::move(task), name, std::move(done));
 }
 
-std::string DesignRepository::material_mark(const std::string& id) {
+std::string DesignRepository::material_etag_suffix(const std::string& id) {
   constexpr std::size_t kDigits = 12;
-  const Answer<Design> design = here(id);
+  const Answer<Design> design = find_and_fetch(id);
   if (!design || design->kind != "spec") return {};
-  return "-" + sha256_hex(row_of_material(own_material(*design))).substr(0, kDigits);
+  return "-" + sha256_hex(row_of_material(material_in_spec(*design))).substr(0, kDigits);
 }
 
-std::string DesignRepository::picture_place(const std::string& id, const std::string& name) const {
+std::string DesignRepository::picture_path(const std::string& id, const std::string& name) const {
   return store_.folder().at("previews/" + id + "." + name);
 }
 
-void DesignRepository::read_aside(const std::string& place, Shown done) {
+void DesignRepository::read_on_side_thread(const std::string& place, OnView done) {
   auto kept = std::make_shared<Result<std::string>>(fail(ErrorKind::Internal, "", "not read"));
-  aside_.run([kept, place] { *kept = read_whole(place, kMostRead); },
-             [kept, done = std::move(done)] {
-               if (*kept) return done(std::move(**kept));
-               done(tl::unexpected(problem_from(kept->error())));
-             });
+  side_thread_.run([kept, place] { *kept = read_whole(place, kMostRead); },
+                   [kept, done = std::move(done)] {
+                     if (*kept) return done(std::move(**kept));
+                     done(tl::unexpected(problem_from(kept->error())));
+                   });
 }
 
 void DesignRepository::picture(const Principal& who, const std::string& id, const std::string& name,
-                               Shown done) {
-  const Answer<Design> design = here(id);
+                               OnView done) {
+  const Answer<Design> design = find_and_fetch(id);
   if (!design) return done(tl::unexpected(design.error()));
-  const std::string place = picture_place(id, name);
+  const std::string place = picture_path(id, name);
   std::error_code ignored;
   if (const auto bytes = std::filesystem::file_size(place, ignored); !ignored && bytes > 0)
-    return read_aside(place, std::move(done));
+    return read_on_side_thread(place, std::move(done));
   if (!previewer_) return done(no_previewer());
   const auto drawn = picture_requests_.find(id);
   if (drawn != picture_requests_.end()) return drawn->second.push_back({name, std::move(done)});
   // Add this request to `picture_requests_` only after its task has begun, because later requests
   // for the design then wait for that task.
-  Answer<PreviewTask> task = store_.look([&]() -> Answer<PreviewTask> {
+  Answer<PreviewTask> task = store_.read([&]() -> Answer<PreviewTask> {
     return PreviewTask{task_for(*design, PlanningTask::Kind::Picture), who.name};
   });
   if (!task) return done(tl::unexpected(task.error()));
@@ -164,7 +164,7 @@ void DesignRepository::pictures_made(const std::string& id,
   }
   // If the design was removed meanwhile, remove its pictures, too.
   if (!find(id))
-    for (const char* const name : kPictures) aside_.remove(picture_place(id, name));
+    for (const char* const name : kPictures) side_thread_.remove(picture_path(id, name));
 }
 
 }  // namespace popcut::daemon

@@ -132,7 +132,7 @@ const std::vector<std::string>* DeviceRegistry::materials_of(const std::string& 
 }
 
 // Takes what the bus reports. True if anything has changed that people see.
-bool DeviceRegistry::take_in(Entry& entry, const DeviceRecord& fresh) {
+bool DeviceRegistry::update_entry(Entry& entry, const DeviceRecord& fresh) {
   DeviceRecord& record = entry.record;
   const bool changed = record.state != fresh.state || record.reasons != fresh.reasons ||
                        record.firmware != fresh.firmware || record.model != fresh.model ||
@@ -180,7 +180,7 @@ std::vector<std::string> DeviceRegistry::refresh() {
     }
     const bool was_there = !is_away(entry.record.state);
     const int session = entry.sessions;
-    if (take_in(entry, fresh) || is_new) changed.push_back(&entry);
+    if (update_entry(entry, fresh) || is_new) changed.push_back(&entry);
     // With another session it was away for a moment, in which its sheet may have moved.
     if (was_there && (is_away(entry.record.state) || entry.sessions != session))
       gone.push_back(fresh.id);
@@ -201,7 +201,7 @@ std::vector<std::string> DeviceRegistry::refresh() {
   // What cannot be stored now is stored later.
   const Answer<void> stored = store_.change([&]() -> Answer<void> {
     for (Entry* entry : changed) {
-      keep(*entry);
+      store_entry(*entry);
       store_.emit("device", "",
                   JsonObject()
                       .text("device", entry->record.id)
@@ -214,7 +214,7 @@ std::vector<std::string> DeviceRegistry::refresh() {
   return gone;
 }
 
-void DeviceRegistry::keep(const Entry& entry) {
+void DeviceRegistry::store_entry(const Entry& entry) {
   const DeviceRecord& record = entry.record;
   if (!entry.taken_by.empty()) return;
   const auto* const materials = materials_of(record.id);
@@ -294,7 +294,7 @@ DeviceRegistry::MachineChoice DeviceRegistry::machine_for(const std::string& mat
   return choice;
 }
 
-bool DeviceRegistry::wants_own_plan(const std::string& id, const PlanRow& plan) const {
+bool DeviceRegistry::needs_other_plan(const std::string& id, const PlanRow& plan) const {
   const auto found = entries_.find(id);
   if (found == entries_.end() || found->second.machine.empty()) return false;
   return found->second.machine != plan.machine &&
@@ -371,14 +371,14 @@ void DeviceRegistry::set_enabled(const std::string& id, bool enabled) {
   Entry changed = entry;
   changed.record.enabled = enabled;
   ++changed.record.rev;
-  keep(changed);
+  store_entry(changed);
   store_.emit("device", "",
               JsonObject()
                   .text("device", id)
                   .text("state", changed.record.state)
                   .flag("enabled", enabled)
                   .number("rev", changed.record.rev));
-  store_.on_commit([this, id, enabled, rev = changed.record.rev] {
+  store_.after_commit_before_events([this, id, enabled, rev = changed.record.rev] {
     entries_.at(id).record.enabled = enabled;
     entries_.at(id).record.rev = rev;
   });

@@ -62,7 +62,7 @@ class DeviceRegistry {
   [[nodiscard]] std::string session_of(const std::string& id) const;
 
   /// Whether the device cannot cut this plan but could cut a new one.
-  [[nodiscard]] bool wants_own_plan(const std::string& id, const PlanRow& plan) const;
+  [[nodiscard]] bool needs_other_plan(const std::string& id, const PlanRow& plan) const;
   /// Why a device cannot cut a plan; empty: it can.
   ///
   /// @param site  of the job; empty: any site
@@ -93,8 +93,8 @@ class DeviceRegistry {
   [[nodiscard]] const std::vector<std::string>* materials_of(const std::string& id) const;
   [[nodiscard]] bool is_set_up_for(const std::string& id, const std::string& material) const;
   [[nodiscard]] DeviceRecord shown(const Entry& entry) const;
-  void keep(const Entry& entry);
-  bool take_in(Entry& entry, const DeviceRecord& fresh);
+  void store_entry(const Entry& entry);
+  bool update_entry(Entry& entry, const DeviceRecord& fresh);
   ServiceStore& store_;
   Cutters& cutters_;
   const ServiceOptions& options_;

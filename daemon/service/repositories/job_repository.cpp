@@ -109,7 +109,7 @@ Answer<Job> JobRepository::add(const Principal& who, const JobCreate& request,
         ProblemKind::QueueFull,
         fmt::format("{} jobs of yours are not finished; finish or cancel some first", own),
         /*retry_after_s=*/60);
-  if (const auto waits = parts_.plans.await(who, plan); !waits)
+  if (const auto waits = parts_.plans.add_waiting(who, plan); !waits)
     return tl::unexpected(waits.error());
   const TimeMs created = store.now();
   JobRow row{.id = store.new_id(created), .rev = 1, .state = JobState::Queued};
@@ -151,11 +151,11 @@ Answer<Job> JobRepository::add(const Principal& who, const JobCreate& request,
 void JobRepository::apply_plan(JobRow& row, const PlanRow& plan) {
   const std::int64_t sheets = std::int64_t{plan.sheets} * row.copies;
   if (plan.state == PlanState::Failed)
-    return take(row, step_of(row.state, JobEvent::PlanFails), plan.error);
+    return apply(row, step_of(row.state, JobEvent::PlanFails), plan.error);
   if (sheets > parts_.options.sheets_per_job)
-    return take(row, step_of(row.state, JobEvent::PlanFails),
-                fmt::format("{} copies make {} sheets; a job has at most {}", row.copies, sheets,
-                            parts_.options.sheets_per_job));
+    return apply(row, step_of(row.state, JobEvent::PlanFails),
+                 fmt::format("{} copies make {} sheets; a job has at most {}", row.copies, sheets,
+                             parts_.options.sheets_per_job));
   row.sheets_total = static_cast<int>(sheets);
   row.sheet = 1;
   row.paths_total = plan.paths * row.copies;
@@ -166,20 +166,20 @@ void JobRepository::apply_plan(JobRow& row, const PlanRow& plan) {
   // After those of the job itself.
   row.warnings.insert(row.warnings.end(), plan.warnings.begin(), plan.warnings.end());
   shorten(row.warnings, kWarningsOfJob, kWarningOfJob);
-  take(row, step_of(row.state, JobEvent::PlanComes), "");
+  apply(row, step_of(row.state, JobEvent::PlanComes), "");
 }
 
 void JobRepository::plan_begun(const std::string& plan) {
   (void)parts_.store.change([&]() -> Answer<void> {
     for (JobRow& row : jobs_.waiting_for(plan, JobState::Queued, kAtOnce))
-      take(row, step_of(row.state, JobEvent::PlanBegins), "");
+      apply(row, step_of(row.state, JobEvent::PlanBegins), "");
     return {};
   });
 }
 
-void JobRepository::plan_is_at(const std::string& plan, const PlanningPhase& phase) {
+void JobRepository::plan_progressed(const std::string& plan, const PlanningPhase& phase) {
   constexpr int kMostPublished = 20;  // jobs of one plan
-  (void)parts_.store.look([&]() -> Answer<void> {
+  (void)parts_.store.read([&]() -> Answer<void> {
     for (const JobRow& row : jobs_.waiting_for(plan, JobState::Planning, kMostPublished)) {
       JsonObject data;
       data.number("seq", 0)
@@ -272,7 +272,7 @@ std::optional<LoadedSheet> JobRepository::load_of(const JobRow& row) {
                      .side = sheet->side};
 }
 
-void JobRepository::take(JobRow& row, Step step, const std::string& reason) {
+void JobRepository::apply(JobRow& row, Step step, const std::string& reason) {
   if (step == Step::Refused)
     throw StoreFault(FaultKind::Other, fmt::format("job {} cannot do this while it is {}", row.id,
                                                    name_of(row.state)));
@@ -325,13 +325,13 @@ void JobRepository::disarm(const std::string& job) {
   });
 }
 
-void JobRepository::take_left(JobRow& row, Step step, const std::string& reason) {
+void JobRepository::apply_or_cancel(JobRow& row, Step step, const std::string& reason) {
   const bool is_cancelled = parts_.store.in_fleet() && row.asked == "cancel" &&
                             (step == Step::ToInterrupted || step == Step::ToReady);
   if (is_cancelled)
-    take(row, Step::ToCancelled, row.reason);
+    apply(row, Step::ToCancelled, row.reason);
   else
-    take(row, step, reason);
+    apply(row, step, reason);
 }
 
 void JobRepository::save(JobRow& row) {
@@ -376,9 +376,9 @@ void JobRepository::finish_sheet(JobRow& row, const std::string& sheet_state,
       row.first_stroke = begun->first_stroke;
       set_attention(row, "in_doubt",
                     fmt::format("sheet {} was started before; look at it", row.sheet));
-      return take(row, Step::ToInterrupted, "crash");
+      return apply(row, Step::ToInterrupted, "crash");
     }
-    return take(row, Step::ToReady, reason);
+    return apply(row, Step::ToReady, reason);
   }
   row.low_s = row.high_s = 0;
   row.state = JobState::Done;
@@ -528,7 +528,7 @@ Answer<Job> JobRepository::hold(const Principal& who, const std::string& id, boo
     row->held = held;
     if (held && row->state == JobState::Armed) {
       disarm(id);
-      take(*row, Step::ToReady, "held");
+      apply(*row, Step::ToReady, "held");
     } else {
       save(*row);
     }

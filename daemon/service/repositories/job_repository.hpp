@@ -67,7 +67,7 @@ class JobRepository : public Jobs {
   /// Shows some of the jobs of a plan, at most 200, as being planned.
   void plan_begun(const std::string& plan);
   /// Publishes the progress of a plan for each of its jobs; nothing is stored.
-  void plan_is_at(const std::string& plan, const PlanningPhase& phase);
+  void plan_progressed(const std::string& plan, const PlanningPhase& phase);
   /// Updates all jobs of a plan that is over; many of them in several turns.
   void plan_ended(const std::string& plan);
   /// Updates queued jobs whose plan is over. The popcutd that made it ended before it could do so.
@@ -80,9 +80,9 @@ class JobRepository : public Jobs {
   [[nodiscard]] AttemptTable& attempts() { return attempts_; }
   [[nodiscard]] Answer<JobRow> row(const std::string& id);
   /// Moves the job by one step. Writes the row, the sheet's row and an event.
-  void take(JobRow& row, Step step, const std::string& reason);
+  void apply(JobRow& row, Step step, const std::string& reason);
   /// Like `take`. In a fleet, if a person asked to cancel, the job becomes cancelled instead.
-  void take_left(JobRow& row, Step step, const std::string& reason);
+  void apply_or_cancel(JobRow& row, Step step, const std::string& reason);
   /// Deletes the arm of a job. The row still needs its step.
   void disarm(const std::string& job);
   /// Writes the row without a step, with its event.

@@ -25,7 +25,7 @@ std::vector<Warning> JobRepository::choice_warnings(const std::string& material,
 std::optional<NextAction> JobRepository::plan_again_action(const JobRow& row,
                                                            const std::string& device,
                                                            const PlanRow& plan) {
-  if (!parts_.devices.wants_own_plan(device, plan) || !may_plan_again(row)) return std::nullopt;
+  if (!parts_.devices.needs_other_plan(device, plan) || !may_plan_again(row)) return std::nullopt;
   return change_action(row, device, true);
 }
 
@@ -73,7 +73,7 @@ Answer<void> JobRepository::plan_again(const Principal& who, JobRow& row, const 
   row.warnings =
       device.empty() ? choice_warnings(plan->material, row.site) : std::vector<Warning>();
   set_attention(row, "", "");
-  take(row, step_of(row.state, JobEvent::PlansAgain), "");
+  apply(row, step_of(row.state, JobEvent::PlansAgain), "");
   if (plan->state == PlanState::Planned)
     apply_plan(row, *plan);
   else

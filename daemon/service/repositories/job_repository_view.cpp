@@ -182,7 +182,7 @@ Answer<void> JobRepository::check_rev(const JobRow& row, std::int64_t if_match) 
 
 Answer<Page<Job>> JobRepository::list(const JobFilter& filter, const PageRequest& request) {
   if (!request.cursor.empty() && !is_ulid(request.cursor)) return tl::unexpected(bad_cursor());
-  return parts_.store.look([&]() -> Answer<Page<Job>> {
+  return parts_.store.read([&]() -> Answer<Page<Job>> {
     Page<Job> page;
     std::string looked_to;
     std::vector<JobRow> rows = jobs_.list(filter, request.cursor, request.limit + 1, looked_to);
@@ -202,7 +202,7 @@ Answer<Page<Job>> JobRepository::queue(const std::string& device, const PageRequ
     after = queue_place_from(request.cursor);
     if (!after) return tl::unexpected(bad_cursor());
   }
-  return parts_.store.look([&]() -> Answer<Page<Job>> {
+  return parts_.store.read([&]() -> Answer<Page<Job>> {
     Page<Job> page;
     std::map<std::string, bool> fits;  // by plan: many jobs share one
     const auto fitting = [&](const JobRow& row) {
@@ -235,7 +235,7 @@ Answer<Page<Job>> JobRepository::queue(const std::string& device, const PageRequ
 }
 
 Answer<Job> JobRepository::find(const std::string& id) {
-  return parts_.store.look([&]() -> Answer<Job> {
+  return parts_.store.read([&]() -> Answer<Job> {
     return row(id).map([&](const JobRow& found) {
       Job job = shown(found);
       const std::vector<Warning> changed = changed_since_planned(found);
@@ -252,13 +252,13 @@ Answer<Job> JobRepository::find(const std::string& id) {
 }
 
 Answer<Job> JobRepository::brief(const std::string& id) {
-  return parts_.store.look([&]() -> Answer<Job> {
+  return parts_.store.read([&]() -> Answer<Job> {
     return row(id).map([&](const JobRow& found) { return shown(found); });
   });
 }
 
 Answer<std::vector<SheetRecord>> JobRepository::sheets(const std::string& id, int first, int most) {
-  return parts_.store.look([&]() -> Answer<std::vector<SheetRecord>> {
+  return parts_.store.read([&]() -> Answer<std::vector<SheetRecord>> {
     const Answer<JobRow> job = row(id);
     if (!job) return tl::unexpected(job.error());
     std::vector<SheetRecord> all;
@@ -287,7 +287,7 @@ Answer<std::vector<SheetRecord>> JobRepository::sheets(const std::string& id, in
 }
 
 Answer<Ledger> JobRepository::ledger(const std::string& id, int sheet) {
-  return parts_.store.look([&]() -> Answer<Ledger> {
+  return parts_.store.read([&]() -> Answer<Ledger> {
     const Answer<JobRow> job = row(id);
     if (!job) return tl::unexpected(job.error());
     if (sheet < 1 || sheet > job->sheets_total)

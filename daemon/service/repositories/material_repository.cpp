@@ -68,7 +68,7 @@ Answer<std::string> checked_row(const std::string& id, const std::string& json,
 
 }  // namespace
 
-const std::map<std::string, std::string>& MaterialRepository::built_in() {
+const std::map<std::string, std::string>& MaterialRepository::materials() {
   if (!loaded_) {
     materials_ = rows_of("materials", kMaterialsJson, options_.tables);
     machines_ = rows_of("machines", kMachinesJson, options_.tables);
@@ -90,7 +90,7 @@ std::optional<MaterialRecord> MaterialRepository::stored(const std::string& id) 
 
 std::vector<MaterialRecord> MaterialRepository::list() {
   std::map<std::string, MaterialRecord> all;
-  for (const auto& [id, json] : built_in())
+  for (const auto& [id, json] : materials())
     all[id] = {.id = id, .rev = 1, .json = json, .built_in = true};
   Rows rows = store_.db().rows("SELECT id, rev, json FROM material WHERE json!='' ORDER BY id");
   while (rows.next())
@@ -102,12 +102,12 @@ std::vector<MaterialRecord> MaterialRepository::list() {
 }
 
 Answer<MaterialRecord> MaterialRepository::find(const std::string& id) {
-  return store_.look([&]() -> Answer<MaterialRecord> {
+  return store_.read([&]() -> Answer<MaterialRecord> {
     if (const auto own = stored(id)) return *own;
-    const auto found = built_in().find(id);
-    if (found == built_in().end())
+    const auto found = materials().find(id);
+    if (found == materials().end())
       return refuse(ProblemKind::NotFound, fmt::format("there is no material {:?}; {}", id,
-                                                       suggestion(id, names_of(built_in()))));
+                                                       suggestion(id, names_of(materials()))));
     return MaterialRecord{.id = id, .rev = 1, .json = found->second, .built_in = true};
   });
 }
@@ -156,13 +156,13 @@ Answer<void> MaterialRepository::remove(const Principal& who, const std::string&
 }
 
 std::string MaterialRepository::profile_row(const std::string& name) {
-  built_in();
+  materials();
   const auto found = profiles_.find(name);
   return found == profiles_.end() ? std::string() : found->second;
 }
 
 Answer<std::string> MaterialRepository::machine_row(const std::string& name) {
-  built_in();
+  materials();
   const auto found = machines_.find(name);
   if (found != machines_.end()) return found->second;
   const std::string advice = suggestion(name, names_of(machines_));

@@ -33,7 +33,7 @@ class MaterialRepository : public Materials {
   [[nodiscard]] std::string profile_row(const std::string& name);
 
  private:
-  const std::map<std::string, std::string>& built_in();
+  const std::map<std::string, std::string>& materials();
   [[nodiscard]] std::optional<MaterialRecord> stored(const std::string& id);
   ServiceStore& store_;
   const ServiceOptions& options_;

@@ -153,11 +153,11 @@ void add_totals(PlanRow& row, const std::vector<SheetPlan>& sheets) {
 
 }  // namespace
 
-Answer<void> PlanningQueue::bring_sheet(const std::string& plan, int sheet) {
+Answer<void> PlanningQueue::fetch_sheet(const std::string& plan, int sheet) {
   const std::string stem = fmt::format("plans/{}/sheet-{:02}.", plan, sheet);
-  return parts_.store.look([&]() -> Answer<void> {
+  return parts_.store.read([&]() -> Answer<void> {
     for (const std::string& name : parts_.store.files().names(stem))
-      if (const auto here = parts_.store.bring(name); !here) return here;
+      if (const auto here = parts_.store.fetch_file(name); !here) return here;
     return {};
   });
 }
@@ -218,7 +218,7 @@ Answer<PlanRecord> PlanningQueue::request(const Principal& who, const PlanReques
 
 Answer<PlanRow> PlanningQueue::plan_for(const Principal& who, const PlanRequest& request) {
   // Here, because the file says which material the design is for.
-  const Answer<Design> design = parts_.designs.here(request.design);
+  const Answer<Design> design = parts_.designs.find_and_fetch(request.design);
   if (!design) {
     if (design.error().kind != ProblemKind::NotFound) return tl::unexpected(design.error());
     return refuse_value("/design", "unknown", "must be the id of an uploaded design",
@@ -237,7 +237,7 @@ Answer<PlanRow> PlanningQueue::plan_for(const Principal& who, const PlanRequest&
 Answer<MaterialRecord> PlanningQueue::material_of(const PlanRequest& request,
                                                   const Design& design) {
   const std::string own =
-      request.material.empty() ? parts_.designs.own_material(design) : request.material;
+      request.material.empty() ? parts_.designs.material_in_spec(design) : request.material;
   return material_named(own.empty() ? kUsualMaterial : own);
 }
 
@@ -315,10 +315,10 @@ Answer<PlanRow> PlanningQueue::test_plan_for(const Principal& who, const std::st
                            .material_json = row->json});
 }
 
-Answer<void> PlanningQueue::await(const Principal& who, const PlanRow& plan) {
+Answer<void> PlanningQueue::add_waiting(const Principal& who, const PlanRow& plan) {
   if (!plan.design.empty())
     if (const Answer<Design> design = parts_.designs.find(plan.design))
-      parts_.designs.own(who, *design, design->name);
+      parts_.designs.add_owner(who, *design, design->name);
   OwnershipTable& owners = parts_.designs.owners();
   owners.hold(Owned::Plan, plan.id);
   owners.add(Owned::Plan, plan.id, {who.name, "", parts_.store.now()});
@@ -343,7 +343,7 @@ Answer<PlanRow> PlanningQueue::find_or_add(const Principal& who, PlanRow row) {
   row.key = key.hex();
   store.db().hold("plan " + row.key);
   if (auto before = plans_.find_key(row.key)) {
-    if (const auto waits = await(who, *before); !waits) return tl::unexpected(waits.error());
+    if (const auto waits = add_waiting(who, *before); !waits) return tl::unexpected(waits.error());
     return *before;
   }
   const std::int64_t waiting = store.db().number("SELECT count(*) FROM plan WHERE state='pending'");
@@ -355,7 +355,7 @@ Answer<PlanRow> PlanningQueue::find_or_add(const Principal& who, PlanRow row) {
   row.id = store.new_id();
   row.created = store.now();
   plans_.insert(row);
-  if (const auto fine = await(who, row); !fine) return tl::unexpected(fine.error());
+  if (const auto fine = add_waiting(who, row); !fine) return tl::unexpected(fine.error());
   store.after_commit([this] { pump(); });
   return row;
 }
@@ -428,7 +428,7 @@ void PlanningQueue::release(const std::string& id) {
 
 void PlanningQueue::pump() {
   if (stopped_ || parts_.store.degraded() || parts_.store.full()) return;
-  for (const auto& [id, made] : std::exchange(unstored_, {})) keep(id, made, 0);
+  for (const auto& [id, made] : std::exchange(unstored_, {})) store_sheets(id, made, 0);
   for (const std::string& id : std::exchange(to_release_, {})) release(id);
   try {
     while (running_.size() < static_cast<std::size_t>(parts_.options.plans_at_once)) {
@@ -436,7 +436,7 @@ void PlanningQueue::pump() {
       if (id.empty() || start(id) == Begun::Later) return;
     }
   } catch (const StoreFault& fault) {
-    parts_.store.note(fault);
+    parts_.store.handle_fault(fault);
   }
 }
 
@@ -461,7 +461,7 @@ Begun PlanningQueue::start(const std::string& id) {
   if (plan->kind == "test") {
     task.kind = PlanningTask::Kind::TestCut;
   } else {
-    const Answer<Design> design = parts_.designs.here(plan->design);
+    const Answer<Design> design = parts_.designs.find_and_fetch(plan->design);
     if (!design) {
       if (design.error().kind != ProblemKind::NotFound) return Begun::Later;
       return failed("its design was deleted");
@@ -483,7 +483,7 @@ Begun PlanningQueue::start(const std::string& id) {
   task.progress = [this, id, post = parts_.post](const PlanningPhase& phase) {
     post([this, id, phase] {
       name_turn("phase of a plan");
-      if (is_at && running_.contains(id)) is_at(id, phase);
+      if (progressed && running_.contains(id)) progressed(id, phase);
     });
   };
   // The task may end before `start` returns. That is safe: its callback is posted and runs after
@@ -494,7 +494,7 @@ Begun PlanningQueue::start(const std::string& id) {
                           post = parts_.post](Result<PlanningOutcome> made) {
           auto kept = std::make_shared<Result<PlanningOutcome>>(
               with_files_kept(std::move(made), folder, *files, id));
-          post([this, id, kept] { over(id, std::move(*kept)); });
+          post([this, id, kept] { task_ended(id, std::move(*kept)); });
         });
   } catch (...) {  // no memory; the plan is released, and made later
     running_.erase(id);
@@ -505,11 +505,11 @@ Begun PlanningQueue::start(const std::string& id) {
   return Begun::Yes;
 }
 
-void PlanningQueue::over(const std::string& id, Result<PlanningOutcome> outcome) {
+void PlanningQueue::task_ended(const std::string& id, Result<PlanningOutcome> outcome) {
   name_turn("plan ended");
   if (is_removed(id)) {
     running_.erase(id);
-    parts_.aside.remove(folder_of(id));
+    parts_.side_thread.remove(folder_of(id));
     return pump();
   }
   if (!outcome && outcome.error().kind == ErrorKind::Unwritable) {
@@ -526,7 +526,7 @@ void PlanningQueue::over(const std::string& id, Result<PlanningOutcome> outcome)
     // It was cancelled because nobody waited. If somebody waits again by now, or if the store
     // cannot say, it is made again.
     if (is_cancelled &&
-        parts_.store.look([&]() -> Answer<bool> { return awaited(id); }).value_or(true))
+        parts_.store.read([&]() -> Answer<bool> { return is_awaited(id); }).value_or(true))
       release(id);
     else if (!fail_plan(id, is_cancelled ? "it was no longer needed" : message(outcome.error())))
       to_release_.insert(id);
@@ -534,17 +534,17 @@ void PlanningQueue::over(const std::string& id, Result<PlanningOutcome> outcome)
   }
   if (const std::string fault = fault_of(*outcome, parts_.options.sheets_per_job); !fault.empty()) {
     running_.erase(id);
-    parts_.aside.remove(folder_of(id));
+    parts_.side_thread.remove(folder_of(id));
     if (!fail_plan(id, fault)) to_release_.insert(id);
     return pump();
   }
-  keep(id, std::make_shared<PlanningOutcome>(std::move(*outcome)), 0);
+  store_sheets(id, std::make_shared<PlanningOutcome>(std::move(*outcome)), 0);
 }
 
 // Stores a part of the sheets in each turn. The last part makes the plan complete. What cannot be
 // stored now is kept for the next `pump`, because it took long to make.
-void PlanningQueue::keep(const std::string& id, const std::shared_ptr<PlanningOutcome>& made,
-                         std::size_t from) {
+void PlanningQueue::store_sheets(const std::string& id,
+                                 const std::shared_ptr<PlanningOutcome>& made, std::size_t from) {
   name_turn("plan ended");
   const std::span<const SheetPlan> sheets(made->sheets);
   const std::size_t count = std::min<std::size_t>(kSheetsAtOnce, sheets.size() - from);
@@ -570,10 +570,10 @@ void PlanningQueue::keep(const std::string& id, const std::shared_ptr<PlanningOu
     return;
   }
   if (!is_gone && !is_last)
-    return parts_.post([this, id, made, next = from + count] { keep(id, made, next); });
+    return parts_.post([this, id, made, next = from + count] { store_sheets(id, made, next); });
   running_.erase(id);
   requested_.erase(id);
-  if (is_gone && is_removed(id)) parts_.aside.remove(folder_of(id));
+  if (is_gone && is_removed(id)) parts_.side_thread.remove(folder_of(id));
   if (!is_gone && ended) ended(id);
   pump();
 }
@@ -596,13 +596,13 @@ bool PlanningQueue::fail_plan(const std::string& id, const std::string& why) {
   return stored.has_value();
 }
 
-void PlanningQueue::abandon(const std::string& plan) {
+void PlanningQueue::cancel_if_unwanted(const std::string& plan) {
   const auto found = running_.find(plan);
   if (found == running_.end()) return;
   try {
-    if (!awaited(plan)) parts_.planner.cancel(found->second);
+    if (!is_awaited(plan)) parts_.planner.cancel(found->second);
   } catch (const StoreFault& fault) {
-    parts_.store.note(fault);
+    parts_.store.handle_fault(fault);
   }
 }
 
@@ -649,7 +649,7 @@ Answer<void> PlanningQueue::remove(const Principal& who, const std::string& id) 
       if (is_owned(id) || !check_jobs(id, "")) return {};
     }
     store.emit("notice", "", JsonObject().text("plan", id).text("state", "removed"));
-    forget(id);
+    delete_plan(id);
     return {};
   });
 }
@@ -676,7 +676,7 @@ bool PlanningQueue::remove_some_of(const std::string& design) {
     sheets += rows.integer(1);
     ids.push_back(rows.text(0));
   }
-  for (const std::string& id : ids) forget(id);
+  for (const std::string& id : ids) delete_plan(id);
   return !more;
 }
 
@@ -692,7 +692,7 @@ void PlanningQueue::remove_more_of(const std::string& design) {
   });
 }
 
-void PlanningQueue::forget(const std::string& id) {
+void PlanningQueue::delete_plan(const std::string& id) {
   parts_.designs.owners().remove_all(Owned::Plan, id);
   parts_.store.db().run("DELETE FROM plan WHERE id=?", id);
   parts_.store.files().forget("plans/" + id + "/");
@@ -703,7 +703,7 @@ void PlanningQueue::forget(const std::string& id) {
     if (const auto found = running_.find(id); found != running_.end())
       parts_.planner.cancel(found->second);
     else
-      parts_.aside.remove(folder_of(id));
+      parts_.side_thread.remove(folder_of(id));
   });
 }
 
@@ -711,14 +711,14 @@ bool PlanningQueue::is_removed(const std::string& id) {
   try {
     return !plans_.find(id);
   } catch (const StoreFault& fault) {
-    parts_.store.note(fault);
+    parts_.store.handle_fault(fault);
     return false;
   }
 }
 
 // `requested_` is lost with a restart, and another node of a fleet does not have it. But whoever
 // asked for a plan and has no job of it requested the plan itself.
-bool PlanningQueue::awaited(const std::string& plan) {
+bool PlanningQueue::is_awaited(const std::string& plan) {
   return requested_.contains(plan) ||
          parts_.store.db().number(
              "SELECT EXISTS(SELECT 1 FROM job WHERE plan=?1 AND state IN ('queued', 'planning')) "
@@ -728,7 +728,7 @@ bool PlanningQueue::awaited(const std::string& plan) {
 }
 
 Answer<PlanRecord> PlanningQueue::find(const std::string& id) {
-  return parts_.store.look([&]() -> Answer<PlanRecord> {
+  return parts_.store.read([&]() -> Answer<PlanRecord> {
     const auto plan = plans_.find(id);
     if (!plan) return refuse(ProblemKind::NotFound, fmt::format("there is no plan {:?}", id));
     const bool few = plan->sheets <= kSheetsAtOnce;
@@ -746,7 +746,7 @@ void PlanningQueue::whole(const std::string& id, std::function<void(Answer<PlanR
 void PlanningQueue::read_on(const std::shared_ptr<PlanRecord>& record,
                             const std::function<void(Answer<PlanRecord>)>& done) {
   name_turn("sheets of a plan");
-  const Answer<bool> more = parts_.store.look([&]() -> Answer<bool> {
+  const Answer<bool> more = parts_.store.read([&]() -> Answer<bool> {
     std::vector<SheetPlan> some =
         plans_.sheets(record->id, static_cast<int>(record->sheets.size()), kSheetsAtOnce);
     std::move(some.begin(), some.end(), std::back_inserter(record->sheets));
@@ -758,13 +758,13 @@ void PlanningQueue::read_on(const std::shared_ptr<PlanRecord>& record,
 }
 
 Answer<std::string> PlanningQueue::file(const std::string& id, const std::string& name) {
-  return parts_.store.look([&]() -> Answer<std::string> {
+  return parts_.store.read([&]() -> Answer<std::string> {
     const auto plan = plans_.find(id);
     if (auto ready = check_planned(plan, id); !ready) return tl::unexpected(ready.error());
     std::string path = folder_of(id) + "/" + name;
     std::error_code ignored;
     if (is_plain_name(name))
-      if (const auto here = parts_.store.bring("plans/" + id + "/" + name); !here)
+      if (const auto here = parts_.store.fetch_file("plans/" + id + "/" + name); !here)
         return tl::unexpected(here.error());
     if (!is_plain_name(name) || !std::filesystem::is_regular_file(path, ignored))
       return refuse(ProblemKind::NotFound, fmt::format("this plan has no file {:?}", name));
@@ -780,14 +780,14 @@ Answer<PreviewTask> PlanningQueue::artwork_task(const Principal& who, const std:
   if (!of_plan)
     return refuse(ProblemKind::NotFound, fmt::format("this plan has no sheet {}", sheet));
   if (plan->kind == "test") return refuse(ProblemKind::NotFound, "a test cut has no artwork");
-  const Answer<Design> design = parts_.designs.here(plan->design);
+  const Answer<Design> design = parts_.designs.find_and_fetch(plan->design);
   if (!design) return tl::unexpected(design.error());
   if (design->kind != "spec")
     return refuse(ProblemKind::NotFound,
                   "artwork is laid on the design of a spec, and this plan is of a drawing");
   PreviewTask task{task_of(*plan, *design, PlanningTask::Kind::Artwork), who.name};
   if (!wanted.model.empty()) {
-    Answer<std::string> place = parts_.designs.asset_place(wanted.model);
+    Answer<std::string> place = parts_.designs.asset_path(wanted.model);
     if (!place) return tl::unexpected(place.error());
     task.task.asset_paths[wanted.model] = std::move(*place);
   }
@@ -804,10 +804,10 @@ Answer<PreviewTask> PlanningQueue::artwork_task(const Principal& who, const std:
   return task;
 }
 
-Designs::CallOff PlanningQueue::artwork(const Principal& who, const std::string& id, int sheet,
-                                        const ArtworkRequest& wanted, Designs::Shown done) {
+Designs::CancelView PlanningQueue::artwork(const Principal& who, const std::string& id, int sheet,
+                                           const ArtworkRequest& wanted, Designs::OnView done) {
   Answer<PreviewTask> task =
-      parts_.store.look([&] { return artwork_task(who, id, sheet, wanted); });
+      parts_.store.read([&] { return artwork_task(who, id, sheet, wanted); });
   if (task) return parts_.designs.show(std::move(*task), planning::kArtworkFile, std::move(done));
   done(tl::unexpected(task.error()));
   return [] {};
@@ -815,7 +815,7 @@ Designs::CallOff PlanningQueue::artwork(const Principal& who, const std::string&
 
 Answer<PreviewTask> PlanningQueue::make_task(const Principal& who, const std::string& way,
                                              const PlanRequest& request) {
-  const Answer<Design> design = parts_.designs.here(request.design);
+  const Answer<Design> design = parts_.designs.find_and_fetch(request.design);
   if (!design) return tl::unexpected(design.error());
   const Answer<MaterialRecord> material = material_of(request, *design);
   if (!material) return tl::unexpected(material.error());
@@ -834,9 +834,9 @@ Answer<PreviewTask> PlanningQueue::make_task(const Principal& who, const std::st
   return task;
 }
 
-Designs::CallOff PlanningQueue::make(const Principal& who, const std::string& way,
-                                     const PlanRequest& request, Designs::Shown done) {
-  Answer<PreviewTask> task = parts_.store.look([&] { return make_task(who, way, request); });
+Designs::CancelView PlanningQueue::make(const Principal& who, const std::string& way,
+                                        const PlanRequest& request, Designs::OnView done) {
+  Answer<PreviewTask> task = parts_.store.read([&] { return make_task(who, way, request); });
   if (!task) {
     done(tl::unexpected(task.error()));
     return [] {};

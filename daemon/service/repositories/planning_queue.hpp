@@ -35,7 +35,7 @@ class PlanningQueue : public Plans {
     ServiceStore& store;
     Poster post;
     Planner& planner;
-    Aside& aside;
+    SideThread& side_thread;
     DesignRepository& designs;
     MaterialRepository& materials;
     DeviceRegistry& devices;
@@ -49,10 +49,10 @@ class PlanningQueue : public Plans {
   Answer<std::vector<popcut::Machine>> machines() override;
   Answer<std::string> file(const std::string& id, const std::string& name) override;
   Answer<void> remove(const Principal& who, const std::string& id) override;
-  Designs::CallOff make(const Principal& who, const std::string& way, const PlanRequest& request,
-                        Designs::Shown done) override;
-  Designs::CallOff artwork(const Principal& who, const std::string& id, int sheet,
-                           const ArtworkRequest& wanted, Designs::Shown done) override;
+  Designs::CancelView make(const Principal& who, const std::string& way, const PlanRequest& request,
+                           Designs::OnView done) override;
+  Designs::CancelView artwork(const Principal& who, const std::string& id, int sheet,
+                              const ArtworkRequest& wanted, Designs::OnView done) override;
 
   /// The plan for a request, in a transaction. It exists already, or is made after the commit.
   ///
@@ -73,7 +73,7 @@ class PlanningQueue : public Plans {
   /// They own it from now on, and its design.
   ///
   /// @retval QueueFull  `who` waits for too many plans
-  [[nodiscard]] Answer<void> await(const Principal& who, const PlanRow& plan);
+  [[nodiscard]] Answer<void> add_waiting(const Principal& who, const PlanRow& plan);
   /// Puts the plan before those for which only jobs of `owner` wait.
   void hurry(const std::string& plan, const std::string& owner);
   /// Gives the planner as many plans as it accepts.
@@ -81,7 +81,7 @@ class PlanningQueue : public Plans {
   /// Warnings for a machine or material that changed after planning. Such a change can spoil a cut.
   [[nodiscard]] std::vector<Warning> changed_since(const PlanRow& plan);
   /// Cancels a plan that no job waits for, unless a person requested the plan itself.
-  void abandon(const std::string& plan);
+  void cancel_if_unwanted(const std::string& plan);
   /// Removes the plans of a design that no job uses and nobody owns, in the transaction that
   /// removes the design or one of its owners.
   void remove_unowned(const std::string& design);
@@ -92,12 +92,12 @@ class PlanningQueue : public Plans {
   /// Fetches the files of a sheet into that folder, if another node made the plan.
   ///
   /// @retval Unavailable  they are still being fetched
-  [[nodiscard]] Answer<void> bring_sheet(const std::string& plan, int sheet);
+  [[nodiscard]] Answer<void> fetch_sheet(const std::string& plan, int sheet);
 
   /// Called when the planner begins a plan, and when the plan is made or has failed.
   std::function<void(const std::string&plan)> begun{}, ended{};
   /// Called now and then while a plan is made.
-  std::function<void(const std::string& plan, const PlanningPhase&)> is_at{};
+  std::function<void(const std::string& plan, const PlanningPhase&)> progressed{};
 
   struct MachineRow {
     std::string name, json;
@@ -133,22 +133,23 @@ class PlanningQueue : public Plans {
   [[nodiscard]] std::string next();
   [[nodiscard]] std::string next_of(const std::string& owner);
   [[nodiscard]] Begun start(const std::string& id);
-  void over(const std::string& id, Result<PlanningOutcome> outcome);
-  void keep(const std::string& id, const std::shared_ptr<PlanningOutcome>& made, std::size_t from);
+  void task_ended(const std::string& id, Result<PlanningOutcome> outcome);
+  void store_sheets(const std::string& id, const std::shared_ptr<PlanningOutcome>& made,
+                    std::size_t from);
   [[nodiscard]] bool is_claimed_here(const PlanRow& plan) const;
   void release(const std::string& id);
   [[nodiscard]] bool remove_some_of(const std::string& design);
   void remove_more_of(const std::string& design);
   void read_on(const std::shared_ptr<PlanRecord>& record,
                const std::function<void(Answer<PlanRecord>)>& done);
-  [[nodiscard]] bool awaited(const std::string& plan);
+  [[nodiscard]] bool is_awaited(const std::string& plan);
   /// Stores that the plan failed, unless another node makes it now. False: this cannot be stored.
   [[nodiscard]] bool fail_plan(const std::string& id, const std::string& why);
   [[nodiscard]] bool is_owned(const PlanRow& plan, const std::string& owner);
   [[nodiscard]] bool is_owned(const std::string& plan);
   /// The job of `owner`, or of anybody if that is empty, that keeps a plan from being removed.
   [[nodiscard]] Answer<void> check_jobs(const std::string& plan, const std::string& owner);
-  void forget(const std::string& id);
+  void delete_plan(const std::string& id);
   [[nodiscard]] bool is_removed(const std::string& id);
 
   Parts parts_;

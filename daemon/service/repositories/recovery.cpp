@@ -48,8 +48,8 @@ class Recovery {
   Answer<void> run() {
     close_attempts();
     jobs_.attempts().disarm_all();
-    settle_known();
-    for (const auto& [attempt, trail] : trails_) try_to_surface(attempt, trail);
+    note_known();
+    for (const auto& [attempt, trail] : trails_) try_to_handle_trail(attempt, trail);
     for (const JobState state :
          {JobState::Cutting, JobState::Paused, JobState::Armed, JobState::Planning})
       restart(state);
@@ -67,11 +67,11 @@ class Recovery {
 
   // In a fleet a journal that does not fit must not prevent the report of all others, because other
   // nodes wait for it.
-  void try_to_surface(const std::string& attempt, const IntentTrail& trail) {
-    if (!store_.in_fleet()) return surface(attempt, trail);
+  void try_to_handle_trail(const std::string& attempt, const IntentTrail& trail) {
+    if (!store_.in_fleet()) return handle_trail(attempt, trail);
     try {
       Transaction part(store_.db());
-      surface(attempt, trail);
+      handle_trail(attempt, trail);
       store_.db().script("SET CONSTRAINTS ALL IMMEDIATE; SET CONSTRAINTS ALL DEFERRED");
       part.commit();
     } catch (const StoreFault& fault) {
@@ -146,7 +146,7 @@ class Recovery {
   }
 
   // Another node called this attempt lost. The journal of this node knows more about it.
-  void narrow(const AttemptRow& lost, const IntentTrail& trail) {
+  void use_own_journal(const AttemptRow& lost, const IntentTrail& trail) {
     const IntentVerdict verdict = verdict_of(lost, trail);
     jobs_.attempts().crash(lost, store_.now(), verdict.doubt_upto, verdict.loss);
     Answer<JobRow> row = jobs_.row(lost.job);
@@ -161,7 +161,7 @@ class Recovery {
 
   // In a fleet journals are kept for a month, and each query takes time on the network. So those
   // that the database knows are found by one query.
-  void settle_known() {
+  void note_known() {
     if (!store_.in_fleet()) return;
     std::vector<std::string> ids;
     for (const auto& [attempt, trail] : trails_) ids.push_back(attempt);
@@ -177,9 +177,9 @@ class Recovery {
   }
 
   // The journal of an attempt that has ended, or that the database does not know.
-  void surface(const std::string& attempt, const IntentTrail& trail) {
+  void handle_trail(const std::string& attempt, const IntentTrail& trail) {
     if (const auto known = jobs_.attempts().find(attempt)) {
-      if (known->end_kind == "lost") narrow(*known, trail);
+      if (known->end_kind == "lost") use_own_journal(*known, trail);
       return note_ended(attempt, known->created);
     }
     if (!trail.head) {
@@ -260,7 +260,8 @@ class Recovery {
     const std::string from(name_of(row.state));
     jobs_.set_attention(row, "in_doubt", forgotten_text(row.id, beside));
     // "lost": it is cut here, and `RunningCuts::reclaim` follows.
-    jobs_.take_left(row, step_of(row.state, JobEvent::IntentsSurface), goes_on ? "lost" : "crash");
+    jobs_.apply_or_cancel(row, step_of(row.state, JobEvent::IntentsSurface),
+                          goes_on ? "lost" : "crash");
     note_recovered(row, from);
   }
 
@@ -363,7 +364,7 @@ class Recovery {
     if (interrupted)
       jobs_.set_attention(row, "in_doubt",
                           crash_text(row.id, loss == losses_.end() ? "" : loss->second));
-    jobs_.take_left(row, step, interrupted ? "crash" : "restart");
+    jobs_.apply_or_cancel(row, step, interrupted ? "crash" : "restart");
     note_recovered(row, from);
   }
 
@@ -411,13 +412,13 @@ Answer<void> close_lost_node(ServiceStore& store, JobRepository& jobs, const std
           fmt::format("node {} has not answered for a while, and may still be cutting this sheet; "
                       "look at {}; if the node comes back, it records what it knows",
                       node, open.device));
-      jobs.take_left(*row, step_of(row->state, JobEvent::CutBreaks), "lost");
+      jobs.apply_or_cancel(*row, step_of(row->state, JobEvent::CutBreaks), "lost");
     }
     for (const std::string& job : attempts.armed_by(node, epoch)) {
       attempts.disarm(job);
       Answer<JobRow> row = jobs.row(job);
       if (row && row->state == JobState::Armed)
-        jobs.take(*row, step_of(row->state, JobEvent::ArmLapses), "lost");
+        jobs.apply(*row, step_of(row->state, JobEvent::ArmLapses), "lost");
     }
     for (const std::string& id :
          all_of(store.db().rows("SELECT job.id FROM job JOIN plan ON plan.id=job.plan WHERE "
@@ -425,7 +426,7 @@ Answer<void> close_lost_node(ServiceStore& store, JobRepository& jobs, const std
                                 node, epoch),
                 first_text))
       if (Answer<JobRow> row = jobs.row(id))
-        jobs.take(*row, step_of(row->state, JobEvent::Restarts), "lost");
+        jobs.apply(*row, step_of(row->state, JobEvent::Restarts), "lost");
     store.db().run(
         "UPDATE plan SET planner='', planner_epoch=0 WHERE planner=? AND planner_epoch<=? AND "
         "state='pending'",
@@ -439,34 +440,35 @@ Answer<void> close_lost_node(ServiceStore& store, JobRepository& jobs, const std
   });
 }
 
-TakeUp take_up(ServiceStore& store, JobRepository& jobs, const std::string& attempt, bool held) {
-  if (!store.in_fleet()) return TakeUp::Goes;
+CutStanding reconcile(ServiceStore& store, JobRepository& jobs, const std::string& attempt,
+                      bool held) {
+  if (!store.in_fleet()) return CutStanding::Current;
   const auto known = jobs.attempts().find(attempt);
-  if (!known) return TakeUp::Superseded;
+  if (!known) return CutStanding::Superseded;
   // The job takes the state of the knife, also if the database went back and forgot that state.
-  const auto bring_in_step = [&](JobRow& row) {
+  const auto follow_knife = [&](JobRow& row) {
     if (held && row.state == JobState::Cutting)
-      jobs.take(row, step_of(row.state, JobEvent::CutHeld), "");
+      jobs.apply(row, step_of(row.state, JobEvent::CutHeld), "");
     else if (!held && row.state == JobState::Paused)
-      jobs.take(row, Step::ToCutting, "");
+      jobs.apply(row, Step::ToCutting, "");
   };
   if (!known->ended) {
-    if (Answer<JobRow> row = jobs.row(known->job)) bring_in_step(*row);
-    return TakeUp::Goes;
+    if (Answer<JobRow> row = jobs.row(known->job)) follow_knife(*row);
+    return CutStanding::Current;
   }
   if (known->end_kind != "lost")
-    return known->end_kind == "superseded" ? TakeUp::Superseded : TakeUp::Ended;
+    return known->end_kind == "superseded" ? CutStanding::Superseded : CutStanding::Recorded;
   Answer<JobRow> row = jobs.row(known->job);
   // If a person has judged the sheet, its reason is "result_bad", or the job has moved on.
   const bool is_untouched = row && row->state == JobState::Interrupted && row->reason == "lost" &&
                             row->sheet == known->sheet && row->blank == known->blank &&
                             row->segment == known->segment;
-  if (!is_untouched) return TakeUp::Superseded;
+  if (!is_untouched) return CutStanding::Superseded;
   jobs.attempts().go_on(attempt);
   row->device = known->device;
-  jobs.take(*row, step_of(row->state, JobEvent::CutFoundAgain), "");
-  bring_in_step(*row);
-  return TakeUp::Goes;
+  jobs.apply(*row, step_of(row->state, JobEvent::CutFoundAgain), "");
+  follow_knife(*row);
+  return CutStanding::Current;
 }
 
 }  // namespace popcut::daemon

@@ -34,15 +34,15 @@ namespace popcut::daemon {
                                            const std::string& node, std::int64_t epoch);
 
 /// Whether a cut of this node may still be recorded, after another node may have called it lost.
-enum class TakeUp : std::uint8_t {
-  Goes,        ///< the job belongs to this cut, and is cutting again if it was called lost
+enum class CutStanding : std::uint8_t {
+  Current,     ///< the job belongs to this cut, and is cutting again if it was called lost
   Superseded,  ///< a person has decided otherwise: the end of the cut no longer changes the job
-  Ended,       ///< its end is recorded already
+  Recorded,    ///< its end is recorded already
 };
 /// Makes the state of the job agree with its cut, in a transaction. Without a fleet it always does.
 ///
 /// @param held  whether the tool is up, because a person asked for a pause
-[[nodiscard]] TakeUp take_up(ServiceStore& store, JobRepository& jobs, const std::string& attempt,
-                             bool held);
+[[nodiscard]] CutStanding reconcile(ServiceStore& store, JobRepository& jobs,
+                                    const std::string& attempt, bool held);
 
 }  // namespace popcut::daemon

@@ -216,7 +216,7 @@ Answer<SearchRepository::Row> SearchRepository::find_or_add(const Principal& who
   const auto own_it = [&](const Row& row) {
     OwnershipTable& owners = parts_.designs.owners();
     owners.hold(Owned::Search, row.id);
-    parts_.designs.own_asset(who, row.model, label);
+    parts_.designs.add_asset_owner(who, row.model, label);
     owners.add(Owned::Search, row.id, {who.name, "", store.now()});
   };
   const auto before = row_of_key(fresh.key);
@@ -250,7 +250,7 @@ Answer<SearchRepository::Row> SearchRepository::find_or_add(const Principal& who
 }
 
 Answer<SearchRecord> SearchRepository::find(const Principal& who, const std::string& id) {
-  return parts_.store.look([&]() -> Answer<SearchRecord> {
+  return parts_.store.read([&]() -> Answer<SearchRecord> {
     const auto found = row(id);
     if (!found) return no_search(id);
     return record_of(who, *found);
@@ -304,9 +304,9 @@ Answer<std::string> SearchRepository::lattice(const std::string& id, int card) {
 
 Answer<std::string> SearchRepository::file_of(const std::string& id, int card,
                                               const std::string& name, std::string_view what) {
-  return parts_.store.look([&]() -> Answer<std::string> {
+  return parts_.store.read([&]() -> Answer<std::string> {
     if (const auto there = card_of(id, card); !there) return tl::unexpected(there.error());
-    if (const auto here = parts_.store.bring("searches/" + id + "/" + name); !here)
+    if (const auto here = parts_.store.fetch_file("searches/" + id + "/" + name); !here)
       return tl::unexpected(here.error());
     std::string path = folder_of(id) + "/" + name;
     std::error_code ignored;
@@ -319,7 +319,7 @@ Answer<std::string> SearchRepository::file_of(const std::string& id, int card,
 
 void SearchRepository::pick(const Principal& who, const std::string& id, int card,
                             const std::string& name, std::function<void(Answer<Design>)> done) {
-  const Answer<Picked> picked = parts_.store.look([&] { return card_of(id, card); });
+  const Answer<Picked> picked = parts_.store.read([&] { return card_of(id, card); });
   if (!picked) return done(tl::unexpected(picked.error()));
   const std::string& spec = picked->card.spec;
   Upload upload{parts_.store.folder().at("incoming/" + parts_.store.new_id()), sha256_hex(spec),
@@ -342,13 +342,13 @@ Answer<void> SearchRepository::remove(const Principal& who, const std::string& i
       return refuse(ProblemKind::Forbidden, "only an operator may delete someone else's search");
     store.audit(who.name, "delete-search", id, found->model);
     if (is_mine) owners.remove(Owned::Search, id, who.name);
-    if (!is_mine || !pass_on(id)) forget(id);
+    if (!is_mine || !pass_to_next_owner(id)) delete_search(id);
     return {};
   });
 }
 
 // Makes the longest-standing owner the main owner. Returns false if nobody owns it.
-bool SearchRepository::pass_on(const std::string& id) {
+bool SearchRepository::pass_to_next_owner(const std::string& id) {
   Database& db = parts_.store.db();
   const auto other = first_of(
       db.rows("SELECT own.owner FROM search JOIN ownership AS own ON own.kind='search' AND "
@@ -363,20 +363,20 @@ bool SearchRepository::pass_on(const std::string& id) {
 void SearchRepository::remove_unowned(const std::string& model) {
   for (const std::string& id :
        all_of(parts_.store.db().rows("SELECT id FROM search WHERE model=?", model), first_text))
-    if (!pass_on(id)) forget(id);
+    if (!pass_to_next_owner(id)) delete_search(id);
 }
 
-void SearchRepository::forget(const std::string& id) {
+void SearchRepository::delete_search(const std::string& id) {
   parts_.designs.owners().remove_all(Owned::Search, id);
   parts_.store.db().run("DELETE FROM search WHERE id=?", id);
   parts_.store.files().forget("searches/" + id + "/");
   parts_.store.emit("notice", "", JsonObject().text("search", id).text("state", "removed"));
   parts_.store.after_commit([this, id] {
-    // If the planner still makes it, `over` removes its files.
+    // If the planner still makes it, `task_ended` removes its files.
     if (running_ && running_->id == id)
       parts_.planner.cancel(running_->task);
     else
-      parts_.aside.remove(folder_of(id));
+      parts_.side_thread.remove(folder_of(id));
   });
 }
 
@@ -403,7 +403,7 @@ std::string SearchRepository::next() {
 void SearchRepository::pump() {
   if (stopped_ || parts_.store.degraded() || parts_.store.full()) return;
   if (const auto found = std::exchange(unstored_, std::nullopt))
-    return over(std::string(running_->id), *found);
+    return task_ended(std::string(running_->id), *found);
   if (running_) return;
   try {
     for (;;) {
@@ -411,12 +411,12 @@ void SearchRepository::pump() {
       if (id.empty() || start(id) != Begun::Not) return;
     }
   } catch (const StoreFault& fault) {
-    parts_.store.note(fault);
+    parts_.store.handle_fault(fault);
   }
 }
 
 Answer<PlanningTask> SearchRepository::task_of(const Row& row) {
-  Answer<std::string> model = parts_.designs.asset_place(row.model);
+  Answer<std::string> model = parts_.designs.asset_path(row.model);
   if (!model) return tl::unexpected(model.error());
   PlanningTask task;
   task.kind = PlanningTask::Kind::Search;
@@ -468,7 +468,7 @@ Begun SearchRepository::start(const std::string& id) {
         std::move(*task), [this, id, folder = folder_of(id), files = &parts_.store.files(),
                            post = parts_.post](Result<PlanningOutcome> made) {
           post([this, id, found = with_pictures_kept(std::move(made), folder, *files, id)] {
-            over(id, found);
+            task_ended(id, found);
           });
         });
   } catch (...) {  // no memory; `next` gives it again
@@ -478,7 +478,7 @@ Begun SearchRepository::start(const std::string& id) {
   return Begun::Yes;
 }
 
-void SearchRepository::over(const std::string& id, const Result<SearchFront>& found) {
+void SearchRepository::task_ended(const std::string& id, const Result<SearchFront>& found) {
   name_turn("search ended");
   // What cannot be stored now is kept for the next `pump`, because it took long to find.
   if (found && !finish(id, SearchState::Found, planning::front_text(*found), "")) {
@@ -504,13 +504,13 @@ void SearchRepository::over(const std::string& id, const Result<SearchFront>& fo
     finish(id, SearchState::Failed, "", message(found.error()));
   // If the search was deleted meanwhile, remove its pictures, too.
   const Answer<bool> is_there =
-      parts_.store.look([&]() -> Answer<bool> { return row(id).has_value(); });
+      parts_.store.read([&]() -> Answer<bool> { return row(id).has_value(); });
   if (is_there && !*is_there) {
     (void)parts_.store.change([&]() -> Answer<void> {
       parts_.store.files().forget("searches/" + id + "/");
       return {};
     });
-    parts_.aside.remove(folder_of(id));
+    parts_.side_thread.remove(folder_of(id));
   }
   pump();
 }

@@ -21,7 +21,7 @@ class SearchRepository : public Searches {
     ServiceStore& store;
     Poster post;
     Planner& planner;
-    Aside& aside;
+    SideThread& side_thread;
     DesignRepository& designs;
     PlanningQueue& plans;
     const ServiceOptions& options;
@@ -82,12 +82,12 @@ class SearchRepository : public Searches {
   [[nodiscard]] std::string next();
   [[nodiscard]] Begun start(const std::string& id);
   [[nodiscard]] Answer<PlanningTask> task_of(const Row& row);
-  void over(const std::string& id, const Result<SearchFront>& found);
+  void task_ended(const std::string& id, const Result<SearchFront>& found);
   /// False if that could not be stored.
   bool finish(const std::string& id, SearchState state, const std::string& front,
               const std::string& error);
-  bool pass_on(const std::string& id);
-  void forget(const std::string& id);
+  bool pass_to_next_owner(const std::string& id);
+  void delete_search(const std::string& id);
   [[nodiscard]] std::string folder_of(const std::string& id) const;
 
   Parts parts_;

@@ -585,7 +585,7 @@ TEST_CASE("a service that throws gives a problem and does not end the server",
   http.devices().fault = [] { throw std::bad_alloc(); };
   CHECK(ask(http, Method::Get, "/v1/devices").response.status == 503);
   http.devices().fault = {};
-  http.ask([](LiveService& service) { service.checked("is damaged: a page"); });
+  http.ask([](LiveService& service) { service.check_ended("is damaged: a page"); });
   CHECK(ask(http, Method::Get, "/healthz").response.status == 503);
   CHECK(ask(http, Method::Get, "/readyz").response.status == 503);
 }

@@ -3,7 +3,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "daemon/service/aside.hpp"
+#include "daemon/service/side_thread.hpp"
 #include "tests/support/service_bench.hpp"
 
 namespace service_upkeep_test {
@@ -248,12 +248,12 @@ TEST_CASE("no knife is armed until all of a database that was not closed is chec
   CHECK(early.error().kind == ProblemKind::Unavailable);
   CHECK(early.error().detail.find("arm again in a moment") != std::string::npos);
   CHECK(bench.create(bench.job(id).design));  // all else goes on
-  bench.on([](LiveService& service) { service.checked(""); });
+  bench.on([](LiveService& service) { service.check_ended(""); });
   CHECK(bench.act(id, JobAction::Arm));
   // What is found damaged is not written to any more.
   bench.crash();
   REQUIRE(bench.start() == "");
-  bench.on([](LiveService& service) { service.checked("is damaged: a page"); });
+  bench.on([](LiveService& service) { service.check_ended("is damaged: a page"); });
   const auto late = bench.act(id, JobAction::Arm);
   REQUIRE_FALSE(late);
   CHECK(late.error().detail.find("is damaged: a page") != std::string::npos);
@@ -376,10 +376,10 @@ TEST_CASE("what cannot be removed is logged and what is not there is not", "[dae
   write_text((folder / "file").string(), "");
   ServiceThread thread;
   std::vector<std::string> lines;
-  Aside aside(thread, [&](const std::string& line) { lines.push_back(line); });
-  aside.remove((folder / "absent").string());
+  SideThread side_thread(thread, [&](const std::string& line) { lines.push_back(line); });
+  side_thread.remove((folder / "absent").string());
   CHECK(lines.empty());
-  aside.remove((folder / "file" / "inside").string());
+  side_thread.remove((folder / "file" / "inside").string());
   REQUIRE(lines.size() == 1);
   CHECK(lines.front().find("inside cannot be removed: Not a directory") != std::string::npos);
 }

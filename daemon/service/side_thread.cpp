@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "daemon/service/aside.hpp"
+#include "daemon/service/side_thread.hpp"
 
 #include <cerrno>
 #include <condition_variable>
@@ -19,7 +19,7 @@
 
 namespace popcut::daemon {
 
-struct Aside::State {
+struct SideThread::State {
   struct Task {
     std::function<void()> work, then;
   };
@@ -55,12 +55,12 @@ struct Aside::State {
   std::thread own;
 };
 
-Aside::Aside(ServiceThread& thread, std::function<void(const std::string&)> log)
+SideThread::SideThread(ServiceThread& thread, std::function<void(const std::string&)> log)
     : state_(std::make_unique<State>(thread)), log_(std::move(log)) {
   state_->own = std::thread([state = state_.get()] { state->loop(); });
 }
 
-Aside::~Aside() {
+SideThread::~SideThread() {
   {
     const std::lock_guard lock(state_->mutex);
     state_->ending = true;
@@ -69,7 +69,7 @@ Aside::~Aside() {
   state_->own.join();
 }
 
-void Aside::run(std::function<void()> work, std::function<void()> then) {
+void SideThread::run(std::function<void()> work, std::function<void()> then) {
   {
     const std::lock_guard lock(state_->mutex);
     state_->tasks.push_back({std::move(work), std::move(then)});
@@ -77,7 +77,7 @@ void Aside::run(std::function<void()> work, std::function<void()> then) {
   state_->wake.notify_all();
 }
 
-void Aside::remove(const std::string& path) {
+void SideThread::remove(const std::string& path) {
   const std::filesystem::path place(path);
   const std::string gone = (place.parent_path() / fmt::format(".new-gone-{}-{}", ++state_->removed,
                                                               place.filename().string()))

@@ -11,14 +11,14 @@ namespace popcut::daemon {
 
 /// A thread for work that takes long and needs neither the store nor the service: to read, hash and
 /// remove files, or to check a copy of the database. One task after another.
-class Aside {
+class SideThread {
  public:
   /// @param log  gets a line for what cannot be removed
-  explicit Aside(ServiceThread& thread, std::function<void(const std::string&)> log = {});
+  explicit SideThread(ServiceThread& thread, std::function<void(const std::string&)> log = {});
   /// Waits for the task that runs, and drops the rest.
-  ~Aside();
-  Aside(const Aside&) = delete;
-  Aside& operator=(const Aside&) = delete;
+  ~SideThread();
+  SideThread(const SideThread&) = delete;
+  SideThread& operator=(const SideThread&) = delete;
 
   /// Runs `work` there, then `then` on the service's thread (lane Asking), also if `work` throws.
   /// Call this on the service's thread.
