@@ -7,9 +7,9 @@
 namespace popcut::daemon {
 namespace {
 
-constexpr std::int64_t kAhead_ms = 24 * 3'600'000;  // asleep for so long
+constexpr std::int64_t kAhead_ms = 24 * 3'600'000;  // the computer was asleep for so long
 constexpr std::int64_t kBack_ms = 3'600'000;
-constexpr std::int64_t kKeep_ms = 10 * 60'000;
+constexpr std::int64_t kKeep_ms = 10 * 60'000;  // between two times that the state is stored
 
 bool is_credible(std::int64_t step_ms) { return step_ms >= -kBack_ms && step_ms <= kAhead_ms; }
 
@@ -22,7 +22,7 @@ void Calendar::load() {
   if (!rows.next()) return;
   const std::int64_t off_ms = claimed_ - rows.integer(1);
   believed_ = rows.integer(0);
-  if (!is_credible(off_ms)) return;
+  if (!is_credible(off_ms)) return;  // a jump: this clock continues from where it was
   believed_ += off_ms;
   held_ms_ = rows.integer(2);
 }
@@ -66,7 +66,7 @@ void Calendar::believe() {
   const std::int64_t by = claimed_ - believed_;
   const Answer<void> written = store_.change([&]() -> Answer<void> {
     if (moved) moved(by);
-    // In the same transaction: a crash in between would move them again.
+    // In the same transaction, because after a crash in between `moved` would move them again.
     store(claimed_, 0);
     return {};
   });

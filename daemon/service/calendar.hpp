@@ -9,25 +9,27 @@
 
 namespace popcut::daemon {
 
-/// The clock by which old rows are deleted. It follows the wall clock, but not its jumps: a clock
-/// that is suddenly wrong by a year must not delete a year's tokens, events and keys.
+/// The clock by which old rows are deleted. It follows the wall clock, but not its jumps. Otherwise
+/// a wall clock that is suddenly wrong by a year would delete a year's tokens, events and keys.
 ///
-/// Compared with the monotonic clock, the wall clock may step ahead by up to a day (the computer
-/// was asleep) or back by up to an hour. Any other step is a jump. After a jump this clock runs
-/// with the monotonic one, and accepts the new time after the wall clock has kept to it for
-/// `believe_ms` of run time. The database remembers this over a restart.
+/// A step is the difference between what the wall clock and the monotonic clock measured. A step is
+/// normal up to a day ahead (the computer was asleep) and up to an hour back. Any other step is a
+/// jump. After a jump this clock runs with the monotonic one. It accepts the time of the wall clock
+/// after popcutd has run for `believe_ms` without another jump. The database keeps this over a
+/// restart.
 class Calendar {
  public:
   Calendar(ServiceStore& store, const ServiceOptions& options) : store_(store), options_(options) {}
-  /// Reads the remembered state; the first time, believes the wall clock.
+  /// Reads the stored state. Without one, takes the time of the wall clock.
   void load();
   [[nodiscard]] TimeMs now();
-  /// The later of this clock and the wall clock. Nothing can have happened after that.
+  /// The later of this clock and the wall clock. A time after that is wrong.
   [[nodiscard]] TimeMs latest() { return std::max(now(), claimed_); }
-  /// Stores the time now and then. Call this about once a second.
+  /// Accepts a jump when it is time to, and stores the state every ten minutes. Call this about
+  /// once a second.
   void tick();
-  /// Called in a transaction when a jump is believed: moves the expiry of idempotency keys, which
-  /// are kept for seven days of run time.
+  /// Called in the transaction that accepts a jump. It moves the expiry of idempotency keys,
+  /// because they are kept for seven days of run time.
   std::function<void(std::int64_t by_ms)> moved{};
 
  private:
@@ -36,11 +38,11 @@ class Calendar {
   void believe();
   ServiceStore& store_;
   const ServiceOptions& options_;
-  TimeMs believed_{};            ///< the time at `at_ms_`
-  TimeMs claimed_{};             ///< the wall clock at that moment
+  TimeMs believed_{};            ///< what this clock showed at `at_ms_`
+  TimeMs claimed_{};             ///< what the wall clock showed at `at_ms_`
   std::int64_t at_ms_{};         ///< monotonic
-  std::int64_t held_ms_{};       ///< how long the wall clock has kept to a jump
-  std::int64_t kept_at_ms_{-1};  ///< when it was stored, monotonic; -1: never
+  std::int64_t held_ms_{};       ///< run time since the last jump
+  std::int64_t kept_at_ms_{-1};  ///< when the state was stored, monotonic; -1: never
 };
 
 }  // namespace popcut::daemon

@@ -14,7 +14,8 @@
 
 namespace popcut::daemon {
 
-/// Who may use the service: the tokens of programs and the sessions of pages. See `Service`.
+/// Who may use the service: the tokens of programs and the sessions of pages. Each session has a
+/// root: the token, or the user of this system, from which it comes. See `Service`.
 class Access {
  public:
   virtual ~Access() = default;
@@ -44,13 +45,15 @@ class Access {
   [[nodiscard]] virtual Answer<std::string> create_one_shot(const Principal&) = 0;
   [[nodiscard]] virtual Answer<NewToken> open_session(const std::string& one_shot) = 0;
   /// Starts to pair a tablet, which then waits five minutes for a person to type its code. At most
-  /// twenty wait. One more takes the place of the oldest at the `place` (an address) that has most.
-  /// @retval Unavailable  twenty wait already, no two of them at one place
+  /// twenty tablets wait. One more replaces the oldest of the address from which most of them wait.
+  ///
+  /// @param place  the address of the tablet
+  /// @retval Unavailable  twenty wait already, no two of them from one address
   [[nodiscard]] virtual Answer<NewPairing> ask_pairing(const std::string& name,
                                                        const std::string& place) = 0;
-  /// Allows the tablet that shows `code` to open one session, with at most `role`. The session has
-  /// the root of `Principal` and never a higher role than this root, and it ends with the session
-  /// of `Principal`.
+  /// Allows the tablet that shows `code` to open one session, with at most `role`. The session gets
+  /// the root of `Principal`, and never has a higher role than that root. If `Principal` uses a
+  /// session, the new one ends with it.
   /// @retval Forbidden  `role` is higher than that of `Principal`
   /// @retval NotFound   no tablet that waits shows this code
   [[nodiscard]] virtual Answer<AllowedPairing> allow_pairing(const Principal&,
@@ -79,7 +82,8 @@ class Designs {
   /// @retval StateConflict  designs of the owner refer to it; the problem names them
   [[nodiscard]] virtual Answer<void> remove_asset(const Principal&, const std::string& id) = 0;
   [[nodiscard]] virtual Page<Design> list(const Principal&, const PageRequest&) = 0;
-  /// An owner sees their own name and time for it. Everyone else sees those of the first owner.
+  /// An owner sees the name that they gave it and when. Everyone else sees those of the first
+  /// owner.
   [[nodiscard]] virtual Answer<Design> find(const Principal&, const std::string& id) = 0;
   /// Path of the stored bytes.
   [[nodiscard]] virtual Answer<std::string> content(const std::string& id) = 0;
@@ -112,17 +116,17 @@ class Designs {
   /// "cut.svg", "pattern.dxf", "segments.csv", "deploy.glb", "deployed.stl", "deployed.svg",
   /// "poster.svg", "report.json".
   ///
-  /// @param part  of a design of several parts; the first is 1
+  /// @param part  the number of the part, from 1; 1 if the design has one part
   virtual CancelView file(const Principal&, const std::string& id, const std::string& name,
                           int part, OnView done) = 0;
   /// The lattice blob of a stored design.
   ///
-  /// @param reading  of a drawing: the options of planning that say what its lines are for, and its
-  ///                 unit
+  /// @param reading  for a drawing: the options of planning that tell its unit and what its lines
+  ///                 are for; ignored for a spec
   virtual CancelView lattice(const Principal&, const std::string& id,
                              const std::map<std::string, std::string>& reading, OnView done) = 0;
-  /// A suffix for ETags. It changes when the row of the spec's material changes. Empty for other
-  /// designs.
+  /// A suffix for the ETags of views of a spec, which changes with the row of the spec's material.
+  /// Empty for other designs.
   [[nodiscard]] virtual std::string material_etag_suffix(const std::string& id) = 0;
 };
 
@@ -143,7 +147,7 @@ class Plans {
   /// everyone.
   ///
   /// @retval StateConflict  a job of the owner uses this plan
-  /// @retval Forbidden      only others asked for it
+  /// @retval Forbidden      you neither own it nor are an operator
   [[nodiscard]] virtual Answer<void> remove(const Principal&, const std::string& id) = 0;
   /// The machines that sheets can be planned for: popcut's own, and those of users' tables.
   [[nodiscard]] virtual Answer<std::vector<Machine>> machines() = 0;
@@ -160,9 +164,9 @@ class Plans {
   /// @retval Validation     the model cannot be read; artwork is too near to a mark
   virtual Designs::CancelView artwork(const Principal&, const std::string& id, int sheet,
                                       const ArtworkRequest&, Designs::OnView done) = 0;
-  /// Makes the sheets of a design in one way (`planning::make_ways`), without storing them. If
-  /// `way` is "drawing", returns the questions about the drawing instead. The answer is the JSON of
-  /// `planning::make_sheets`.
+  /// Makes the sheets of a design without storing them. `way` says for which kind of cutting, for
+  /// example "hand" or "laser" (`planning::make_ways`). If `way` is "drawing", returns the
+  /// questions about the drawing instead. The answer is the JSON of `planning::make_sheets`.
   ///
   /// @retval NotFound    there is no such design
   /// @retval Validation  as for `request`; the drawing has to be explained first (`Problem::asks`)
@@ -214,9 +218,10 @@ class Jobs {
   [[nodiscard]] virtual Answer<Job> create(const Principal&, const JobCreate&) = 0;
   [[nodiscard]] virtual Answer<Page<Job>> list(const JobFilter&, const PageRequest&) = 0;
   [[nodiscard]] virtual Answer<Job> find(const std::string& id) = 0;
-  /// As `find`, without the next actions: for events, which say little about many jobs.
+  /// As `find`, but without the next actions, which take longer. Events use this.
   [[nodiscard]] virtual Answer<Job> brief(const std::string& id) = 0;
-  /// The sheets `first`, ... (from 1), at most `most` of them.
+  /// The sheets from `first` on (the first is 1), at most `most` of them and at most
+  /// `kSheetsAtOnce`.
   [[nodiscard]] virtual Answer<std::vector<SheetRecord>> sheets(const std::string& job,
                                                                 int first = 1,
                                                                 int most = kSheetsAtOnce) = 0;
@@ -225,8 +230,9 @@ class Jobs {
                                           std::int64_t if_match, const JobPatch&) = 0;
   [[nodiscard]] virtual Answer<void> remove(const Principal&, const std::string& id) = 0;
 
-  /// Jobs that have not ended, in the order in which each device will get them. A page may have
-  /// fewer jobs than its limit although another page follows.
+  /// Jobs that have not ended, in the order in which a device gets them. If `device` is not empty,
+  /// only the jobs that it can cut. A page may have fewer jobs than its limit although another page
+  /// follows.
   [[nodiscard]] virtual Answer<Page<Job>> queue(const std::string& device, const PageRequest&) = 0;
   [[nodiscard]] virtual Answer<Job> hold(const Principal&, const std::string& job, bool held) = 0;
   /// Puts `job` before `before` (empty: to the end) among those of its priority.
@@ -240,7 +246,8 @@ class Cutting {
   virtual ~Cutting() = default;
   [[nodiscard]] virtual Answer<Job> act(const Principal&, const std::string& id,
                                         std::int64_t if_match, const ActionRequest&) = 0;
-  /// Pauses or cancels what this popcutd cuts, although nothing can be stored now.
+  /// Pauses or cancels the cut of a job, although nothing can be stored now. Does nothing if this
+  /// popcutd does not cut the job.
   virtual void stop_unrecorded(const Principal&, const std::string& /*id*/, JobAction) {}
 };
 
@@ -271,7 +278,7 @@ class Materials {
                                             std::int64_t if_match) = 0;
 };
 
-/// A response as it is kept with an idempotency key.
+/// A response, as it is stored with an idempotency key.
 struct Rendered {
   int status{200};
   std::string body;

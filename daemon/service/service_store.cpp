@@ -6,7 +6,7 @@
 namespace popcut::daemon {
 namespace {
 
-/// The files of a popcutd that shares nothing.
+/// The files without a fleet: every file is in the state folder already.
 class OwnFiles final : public SharedFiles {
  public:
   Result<void> keep(const std::string&, const std::string&) override { return {}; }
@@ -49,17 +49,17 @@ void ServiceStore::try_to(const std::function<void()>& work) const {
   } catch (const std::exception& fault) {
     try {
       log(fmt::format("an event or an effect of a change failed: {}", fault.what()));
-    } catch (const std::exception&) {  // not even memory to say so
+    } catch (const std::exception&) {  // too little memory to log it
     }
   }
 }
 
 void ServiceStore::follow_up() {
-  // The effects may change something again, with events and effects of their own.
+  // Move them out first: an effect may change something, with events and effects of its own.
   const std::vector<Event> events = std::exchange(events_, {});
   const std::vector<std::function<void()>> after = std::exchange(after_, {});
   for (const auto& work : std::exchange(with_, {})) try_to(work);
-  // This is committed, so an effect that fails must not prevent the others.
+  // The change is committed, so an effect that fails must not prevent the others.
   if (!events.empty()) try_to([&] { store_.bear_witness(events.back().seq); });
   if (in_fleet())
     try_to([&] {
@@ -76,7 +76,7 @@ void ServiceStore::emit(const std::string& kind, const std::string& job,
   JsonObject data;
   data.text("kind", kind);
   if (!job.empty()) data.text("job", job);
-  // Without its "{": the number of the event comes before it.
+  // Without "{": `store_events` puts it and the number of the event before this text.
   events_.push_back({0, kind, now(), job, data.members_of(members).whole().substr(1)});
 }
 
@@ -98,7 +98,7 @@ void ServiceStore::store_events() {
 }
 
 void ServiceStore::number_events() {
-  // Others may add events all the time; the next turn continues.
+  // Other nodes may add events all the time, so stop after a while; the next turn continues.
   constexpr int kMostTimes = 10;
   for (int times = 0; times < kMostTimes; ++times)
     if (db().number("SELECT event_number(?)", node_.name) == 0) return;
@@ -112,13 +112,15 @@ SharedFiles& ServiceStore::files() {
 Answer<void> ServiceStore::fetch_file(const std::string& name) {
   return read([&]() -> Answer<void> {
     if (files().fetch(name) != SharedFiles::Found::Coming) return {};
-    return refuse(ProblemKind::Unavailable,
-                  "this file is on its way from the fleet's database; ask again in a moment",
-                  /*retry_after_s=*/1);
+    return refuse(
+        ProblemKind::Unavailable,
+        "this file is still being fetched from the fleet's database; ask again in a moment",
+        /*retry_after_s=*/1);
   });
 }
 
-// Listeners miss no event that another node caused while the database was away.
+// A later call keeps `last_delivered_`, so that listeners get the events that other nodes stored
+// while the database did not answer.
 void ServiceStore::begin_delivery() {
   const std::int64_t last = db().number("SELECT last FROM event_counter");
   if (!std::exchange(has_delivered_, true) || last < last_delivered_) last_delivered_ = last;
@@ -147,7 +149,7 @@ void ServiceStore::deliver_new_events() {
       if (own != own_.end()) {
         own_.erase(own);
       } else if (on_remote_event) {
-        // First, because it may concern a knife.
+        // Before the listeners, because it may stop a knife.
         try_to([&] { on_remote_event(event); });
         from_others = true;
       }
@@ -196,7 +198,7 @@ std::string ServiceStore::moved_away() const {
 
 void ServiceStore::handle_fault(const StoreFault& fault) {
   if (in_fleet()) {
-    // The database looks after its own disk. Its faults end no cut here.
+    // Its administrator looks after the disk of that database. A cut here goes on without it.
     if (fault.kind() == FaultKind::InDoubt && on_doubt) on_doubt();
     return;
   }
@@ -282,8 +284,8 @@ Answer<void> ServiceStore::accepts_arming() const {
   if (degraded_) return tl::unexpected(degraded_problem());
   if (!store_.checked())
     return refuse(ProblemKind::Unavailable,
-                  "popcutd was not stopped in order and still checks its database; arm again in a "
-                  "moment");
+                  "popcutd was not shut down cleanly and is still checking its database; arm again "
+                  "in a moment");
   return {};
 }
 
@@ -291,7 +293,7 @@ void ServiceStore::check_ended(const std::string& damage) {
   if (degraded_) return;
   if (!damage.empty()) return degrade(damage);
   store_.set_checked();
-  log("the database was not closed in order; all of it is checked now, and it is sound");
+  log("the database was not closed cleanly; a full check found no damage");
 }
 
 void ServiceStore::recover_disk() {

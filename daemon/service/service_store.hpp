@@ -40,25 +40,26 @@ class ServiceStore {
   [[nodiscard]] bool in_fleet() const { return store_.file() == nullptr; }
   /// The files that all nodes share. Without a fleet, every file is already here.
   [[nodiscard]] SharedFiles& files();
-  /// Fetches a file that another node has into the state folder.
+  /// In a fleet: fetches a file into the state folder if it is not there yet.
   ///
   /// @retval Unavailable  the file is large and still being fetched; ask again
   [[nodiscard]] Answer<void> fetch_file(const std::string& name);
   /// Which node of the fleet this is; changed by `NodeLease`.
   [[nodiscard]] const NodeMark& node() const { return node_; }
   [[nodiscard]] NodeMark& node() { return node_; }
-  /// Keeps the largest fence seen. A fence is a number that grows with each START in a fleet.
+  /// Keeps the greatest fence. A fence is a number that grows with each START in a fleet.
   void note_fence(std::int64_t fence) { node_.fence = std::max(node_.fence, fence); }
   [[nodiscard]] std::string new_id() { return new_id(now()); }
-  /// For a row that was made at `created`: lists look for it by the time in its id.
+  /// A new id with the time `created`. Use the time that the row shows, because lists find a row by
+  /// the time in its id.
   [[nodiscard]] std::string new_id(TimeMs created) { return ulids_.next(created); }
 
   /// Runs `effect`, which returns an Answer, in a transaction. A problem or a fault of the store
   /// rolls it back. On a full disk this frees the reserve and runs `effect` once more. If another
   /// node of a fleet changed the same rows, it runs `effect` a few times more.
   ///
-  /// Inside an outer transaction, `effect` joins it. A StoreFault is then thrown to the outer
-  /// caller.
+  /// Inside another `change`, `effect` becomes a part of the outer transaction. The outer `change`
+  /// then gets a StoreFault.
   template <typename Effect>
   auto change(const Effect& effect) -> decltype(effect()) {
     const bool nested = db().in_transaction();
@@ -104,18 +105,20 @@ class ServiceStore {
       return tl::unexpected(problem_of(fault));
     }
   }
-  /// Runs `work` after the commit of the transaction, and never after a rollback.
+  /// Runs `work` after the commit of the outermost transaction and after its events were published.
+  /// After a rollback `work` does not run.
   void after_commit(std::function<void()> work) { after_.push_back(std::move(work)); }
-  /// The same, before the events of the commit are told: who hears one sees what it is about.
+  /// The same, but before the events are published, so that listeners see the effect of `work`.
   void after_commit_before_events(std::function<void()> work) { with_.push_back(std::move(work)); }
 
-  /// Stores an event, in a transaction. `members` come after those that all events have.
+  /// Stores an event with the transaction, and publishes it after the commit. `members` follow the
+  /// members that all events have.
   void emit(const std::string& kind, const std::string& job, const JsonObject& members);
-  /// Calls the listeners now, without storing the event. What a listener throws is logged.
+  /// Calls the listeners now. Does not store the event. Logs what a listener throws.
   void publish(const Event& event);
   /// In a fleet: publishes the stored events of all nodes that were not published here yet.
   void deliver_new_events();
-  /// Called also for each event of another node.
+  /// Called for each event of another node, before the listeners.
   std::function<void(const Event&)> on_remote_event{};
   /// Called once after each batch of remote events.
   std::function<void()> after_remote_events{};
@@ -131,10 +134,11 @@ class ServiceStore {
              const std::string& detail);
   void log(const std::string& line) const;
 
-  /// Notes a fault: the disk is full, or it fails.
+  /// Reacts to a fault. On a full disk new work is refused. After a failed write nothing more is
+  /// written until popcutd restarts, and all cuts stop at the end of their stroke.
   void handle_fault(const StoreFault& fault);
   void note_full();
-  /// Notes that a file could not be kept, and returns the problem.
+  /// Reacts to a file that could not be stored as to a full disk, and returns the problem.
   [[nodiscard]] Problem file_problem(const Error& error);
   /// Whether a write failed. Then nothing more is written until popcutd restarts.
   [[nodiscard]] bool degraded() const { return degraded_; }
@@ -143,9 +147,10 @@ class ServiceStore {
   [[nodiscard]] Answer<void> accepts_work() const;
   /// Refuses while no sheet may be armed.
   [[nodiscard]] Answer<void> accepts_arming() const;
-  /// Takes the result of the check of the whole database; empty means that it is sound.
+  /// Call this when the check of the whole database has ended. If `damage` is empty, sheets may be
+  /// armed; otherwise nothing more is written.
   void check_ended(const std::string& damage);
-  /// Reserves disk space again when there is enough.
+  /// If there is enough disk space, reserves some again and accepts new work again.
   void recover_disk();
   std::function<void()> on_degraded{};
   /// In a fleet: called when the answer to a commit is lost, so that nobody knows whether it
@@ -156,7 +161,7 @@ class ServiceStore {
 
   struct Figures {
     Histogram commits{{0.001, 0.003, 0.01, 0.03, 0.1, 1}};
-    /// How long the stream to a cutter waits until its intent is on the disk.
+    /// How long a cutter gets no data while the intent of its next strokes is being written.
     Histogram stream_waits{{0.001, 0.003, 0.01, 0.03, 0.1, 1}};
   };
   [[nodiscard]] const Figures& figures() const { return figures_; }
@@ -184,11 +189,11 @@ class ServiceStore {
   const ServiceOptions& options_;
   UlidSource ulids_;
   std::vector<std::function<void()>> after_, with_;
-  std::vector<Event> events_;  ///< of this transaction; in a fleet numbered after its commit
+  std::vector<Event> events_;  ///< of this transaction; a fleet numbers them after the commit
   NodeMark node_;
   std::int64_t last_delivered_{0};  ///< in a fleet: the last event that was published here
   bool is_delivering_{false}, has_delivered_{false};
-  /// The events of this node that are not published yet, without their numbers.
+  /// In a fleet: stored events of this node that are not published yet, without their numbers.
   std::multiset<std::string> own_{};
   std::vector<std::function<void(const Event&)>> listeners_;
   std::string degraded_why_;

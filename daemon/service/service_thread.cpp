@@ -33,8 +33,7 @@ struct ServiceThread::State {
   bool ending{false};
   std::thread thread;
 
-  // Queues the periodic work whose time has come, and returns the time of the next. Work that still
-  // waits is not queued again.
+  // Queues the periodic work that is due, and returns when the next one is due.
   Clock::time_point queue_due() {
     const Clock::time_point now = Clock::now();
     Clock::time_point next = now + std::chrono::hours(1);
@@ -59,7 +58,8 @@ struct ServiceThread::State {
     one.is_queued = true;
   }
 
-  // Nobody waits for this work (`run` passes faults to its caller), and cuts must continue.
+  // Logs what `work` throws, because cuts must continue. Work that somebody waits for throws
+  // nothing here: `run` passes its exception to the caller.
   template <typename Work>
   void try_to(const Work& work) const {
     try {
@@ -77,7 +77,7 @@ struct ServiceThread::State {
     }
   }
 
-  // Takes the lock again.
+  // Locks `lock`, which guards `turns`.
   static void lock_and_add(Turns& turns, const TurnClock& clock,
                            std::unique_lock<std::mutex>& lock) {
     const TurnTime time = clock.elapsed();

@@ -11,8 +11,9 @@
 
 namespace popcut::daemon {
 
-/// The one thread that owns the store and the service. It has three lanes: work of a running cut
-/// comes first, then requests that stop a knife, then everything else.
+/// The one thread that owns the store and the service. Its queue has three lanes: work of a running
+/// cut comes first (Cutting), then requests that stop a knife (Urgent), then everything else
+/// (Asking).
 class ServiceThread {
  public:
   enum class Lane { Cutting, Urgent, Asking };
@@ -28,17 +29,20 @@ class ServiceThread {
   ///
   /// @return false  the thread is ending and will not run it
   bool post(Lane lane, std::function<void()> work);
-  /// Runs `work` there, waits for it, and throws what it throws. On the thread itself it runs at
-  /// once.
+  /// Queues `work`, waits until the thread has run it, and throws what it throws. If you call this
+  /// on the thread itself, `work` runs at once.
+  ///
+  /// @return false  the thread is ending and does not run it
   bool run(Lane lane, const std::function<void()>& work);
   /// How much work waits in all lanes.
   [[nodiscard]] std::size_t waiting() const;
-  /// Runs `work` every `period_ms` in the lane Asking. Work that still waits is not queued again.
+  /// Runs `work` every `period_ms` in the lane Asking. If the last run has not begun yet, `work` is
+  /// not queued a second time.
   void every(int period_ms, std::function<void()> work);
   void stop();
-  /// How long the turns of each lane took so far (Urgent counts as Asking). Everything else waits
-  /// during a turn, also a request that stops a knife. So the time of a turn must not grow with
-  /// what a client sends or with what is stored.
+  /// How long the turns of a lane took so far. A turn is one piece of work; Urgent counts as
+  /// Asking. During a turn everything else waits, even a request that stops a knife. So the time of
+  /// a turn must not grow with what a client sends or with what is stored.
   [[nodiscard]] Turns turns(Lane lane) const;
   /// Forgets the measured times.
   void forget_turns();
@@ -48,8 +52,8 @@ class ServiceThread {
   std::unique_ptr<State> state_;
 };
 
-/// Gives work to the service's thread, from any thread, on behalf of an owner. If the owner is gone
-/// when the work has its turn, the work does not run.
+/// Queues work on the service's thread for an owner. Call it from any thread. If the owner no
+/// longer exists when the turn of the work comes, the work does not run.
 class Poster {
  public:
   using Lane = ServiceThread::Lane;
@@ -60,7 +64,7 @@ class Poster {
   void operator()(std::function<void()> work, Lane lane = Lane::Asking) const {
     thread_->post(lane, while_owned(std::move(work)));
   }
-  /// As `ServiceThread::run`.
+  /// As `ServiceThread::run`. It also returns if the work did not run.
   void run(Lane lane, std::function<void()> work) const {
     thread_->run(lane, while_owned(std::move(work)));
   }

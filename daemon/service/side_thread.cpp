@@ -35,11 +35,11 @@ struct SideThread::State {
       lock.unlock();
       try {
         task.work();
-      } catch (const std::exception&) {  // `then` sees the result
+      } catch (const std::exception&) {  // `then` finds no result, and says so
       }
       try {
         if (task.then) thread.post(ServiceThread::Lane::Asking, std::move(task.then));
-      } catch (const std::exception&) {  // no memory; those who wait have a time limit
+      } catch (const std::exception&) {  // out of memory; requests that wait have a time limit
       }
       task = {};
       lock.lock();

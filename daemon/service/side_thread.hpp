@@ -9,8 +9,8 @@
 
 namespace popcut::daemon {
 
-/// A thread for work that takes long and needs neither the store nor the service: to read, hash and
-/// remove files, or to check a copy of the database. One task after another.
+/// A thread for work that takes long and uses neither the store nor the service. It reads, hashes
+/// and removes files, and checks copies of the database. It runs one task after another.
 class SideThread {
  public:
   /// @param log  gets a line for what cannot be removed
@@ -20,11 +20,11 @@ class SideThread {
   SideThread(const SideThread&) = delete;
   SideThread& operator=(const SideThread&) = delete;
 
-  /// Runs `work` there, then `then` on the service's thread (lane Asking), also if `work` throws.
-  /// Call this on the service's thread.
+  /// Queues `work` for this thread. After `work`, even if it throws, `then` runs on the service's
+  /// thread (lane Asking). Call this on the service's thread.
   void run(std::function<void()> work, std::function<void()> then = {});
-  /// Removes a file or a folder with its content. The name is free at once. After a crash the next
-  /// start removes what remains under another name (see `StateFolder::open`).
+  /// Renames a file or a folder at once, so that its path is free, and removes it on this thread.
+  /// What a crash leaves is removed at the next start (see `StateFolder::open`).
   void remove(const std::string& path);
 
  private:

@@ -17,11 +17,11 @@ namespace {
 constexpr std::int64_t kOneShotMs = 60'000;
 constexpr std::size_t kMostOneShots = 100;
 constexpr std::size_t kOneShotsOfOne = 10;   // of one principal
-constexpr std::int64_t kSessionsOfOne = 32;  // of one principal; the one that ends first goes
-// A session is extended at most so often, so that reading requests write nearly nothing.
+constexpr std::int64_t kSessionsOfOne = 32;  // of one principal; more delete the first to expire
+// A session is extended at most this often, so that requests that only read seldom write.
 constexpr std::int64_t kExtendMs = 10 * 60'000;
 constexpr std::size_t kMostKnown = 1000;
-constexpr std::int64_t kKnown_ms = 3'600'000;  // longer than a cut, and than people wait
+constexpr std::int64_t kKnown_ms = 3'600'000;  // longer than a cut takes
 
 struct TokenParts {
   std::string_view id, secret;
@@ -58,8 +58,8 @@ Secret new_secret(const std::string& id) {
 
 // A row of the table.
 struct Tokens::Session {
-  std::string id, token{};          ///< `token`: the root, or empty
-  std::optional<LocalUser> user{};  ///< the root, or nothing
+  std::string id, token{};          ///< `token`: the root if it is a token, else empty
+  std::optional<LocalUser> user{};  ///< the root if it is a user of this system
   std::string via{}, principal{}, secret{};
   TimeMs created{}, expires{}, ends{};
   std::string name{};          ///< of a tablet
@@ -105,7 +105,8 @@ std::optional<Tokens::Session> Tokens::session(const std::string& id) {
   return one;
 }
 
-// The principal of a session, with the role that its root has now; nothing if either has ended.
+// The principal of a session, with the role that its root has now. Nothing if the session or its
+// root has ended.
 std::optional<Principal> Tokens::principal_of(const Session& session) {
   const TimeMs now = store_.now();
   const TimeMs end = std::min(session.expires, session.ends);
@@ -167,9 +168,9 @@ std::optional<Principal> Tokens::authenticate(std::string_view bearer) {
   } catch (const StoreFault& fault) {
     store_.handle_fault(fault);
     if (!store_.in_fleet()) return std::nullopt;
-    // A person at a cutter must be able to stop it. Everything else needs the database anyway.
+    // A person at a cutter must be able to stop it. All other requests need the database anyway.
     if (std::optional<Principal> owner = known(parts->id, parts->secret)) return owner;
-    // The token may be valid, so this must not look like a refusal.
+    // The token may be valid, so do not refuse it: the caller answers 503.
     throw;
   }
 }
@@ -308,7 +309,7 @@ Answer<void> Tokens::end_session(const Principal& who, const std::string& id) {
 Answer<void> Tokens::close_session(const Principal& who) {
   if (who.credential.empty())
     return refuse(ProblemKind::NotFound,
-                  "this connection has no session; it is identified by its user");
+                  "this connection has no session to end; its user identifies it");
   const Answer<bool> is_session =
       store_.read([&]() -> Answer<bool> { return session(who.credential).has_value(); });
   if (!is_session) return tl::unexpected(is_session.error());
@@ -330,7 +331,7 @@ void Tokens::users_changed() {
   forget_known();
 }
 
-// Fills in a new session for `who`. Nothing if the root has ended.
+// A session for `who` that is not stored and has no secret yet. Nothing if its root has ended.
 std::optional<Tokens::Session> Tokens::new_session(const Principal& who) {
   const TimeMs now = store_.now();
   Session fresh{
@@ -354,8 +355,8 @@ std::optional<Tokens::Session> Tokens::new_session(const Principal& who) {
   return fresh;
 }
 
-// A principal with too many codes loses its oldest one. If there are too many in all, the principal
-// with the most codes does.
+// A principal with too many codes loses its oldest one. If all principals together have too many,
+// the one with the most loses its oldest.
 void Tokens::make_room_for_one_shot(const std::string& principal) {
   std::map<std::string, std::size_t> counts;
   for (const auto& [digest, word] : one_shots_) ++counts[word.principal.name];
@@ -384,8 +385,8 @@ Answer<std::string> Tokens::create_one_shot(const Principal& who) {
   return word;
 }
 
-// Keeps `via` and the sessions from which `via` came: if one of them went, the new session would
-// go, too.
+// Does not delete `via` and the sessions from which `via` comes, because the new session would be
+// deleted with them.
 Answer<void> Tokens::make_room_for_session(const std::string& principal, const std::string& via) {
   Database& db = store_.db();
   const std::int64_t held = db.number("SELECT count(*) FROM session WHERE principal=?", principal);
@@ -399,7 +400,8 @@ Answer<void> Tokens::make_room_for_session(const std::string& principal, const s
   if (gone == 0)
     return refuse(
         ProblemKind::QueueFull,
-        fmt::format("your {} sessions were opened one from another; end one of them first", held));
+        fmt::format("you have {} sessions, each opened from another one; end one of them first",
+                    held));
   notify_access_change();
   return {};
 }

@@ -47,8 +47,8 @@ class Tokens : public Access {
   /// Ends the sessions of users who no longer have a role. Call this at the start and when the
   /// users have changed.
   void users_changed();
-  /// Forgets who was authenticated, and tells the listeners: credentials have ended here or at
-  /// another node of a fleet, or have another role.
+  /// Forgets who was authenticated, and calls the listeners. Call this when credentials have ended
+  /// or have another role, here or at another node of a fleet.
   void forget_known();
 
  private:
@@ -63,7 +63,8 @@ class Tokens : public Access {
     std::optional<Principal> allowed_by{};  ///< nothing while the tablet waits
     Role role{};
   };
-  /// A principal that was authenticated lately, and its secret.
+  /// In a fleet: a principal that was authenticated lately, for the time when the database does not
+  /// answer.
   struct Known {
     std::string secret_sha256;
     Principal principal;
@@ -82,7 +83,9 @@ class Tokens : public Access {
   [[nodiscard]] std::optional<Session> new_session(const Principal& who);
   /// Stores a session that begins, in a transaction; nothing if its root has ended.
   ///
-  /// @retval QueueFull  there are too many sessions; this one came from all of them, so none can go
+  /// @retval QueueFull  the principal has too many sessions, and each of them is one from which
+  /// this
+  ///                    one comes, so none can be deleted
   [[nodiscard]] Answer<std::optional<NewToken>> begin_session(const Principal& who,
                                                               const std::string& name,
                                                               std::optional<Role> most);

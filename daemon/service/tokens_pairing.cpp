@@ -34,7 +34,7 @@ std::string Tokens::new_code() const {
     return std::any_of(pairings_.begin(), pairings_.end(),
                        [&](const Pairing& one) { return one.code == code; });
   };
-  // Greater bytes are not used, so that all letters are equally likely.
+  // Skip greater bytes, so that all letters are equally likely.
   constexpr std::size_t kFair = 256 / kCodeLetters.size() * kCodeLetters.size();
   std::string code;
   while (code.size() < kCodeDigits || is_taken(code)) {
@@ -50,7 +50,8 @@ void Tokens::forget_late_pairings() {
   std::erase_if(pairings_, [&](const Pairing& one) { return one.until_ms <= now; });
 }
 
-// A place that asks again and again loses its own oldest code.
+// The address from which most tablets wait loses its oldest code. So an address that asks again and
+// again keeps no other one out.
 bool Tokens::make_room_for_pairing(const std::string& place) {
   if (pairings_.size() < kMostPairings) return true;
   std::map<std::string, int> waiting;
@@ -71,10 +72,12 @@ Answer<NewPairing> Tokens::ask_pairing(const std::string& name, const std::strin
   if (auto fine = check_name(name); !fine) return tl::unexpected(std::move(fine.error()));
   forget_late_pairings();
   if (!make_room_for_pairing(place)) {
-    return refuse(ProblemKind::Unavailable,
-                  fmt::format("{} tablets wait to be allowed already; try again in a few minutes",
-                              pairings_.size()),
-                  /*retry_after_s=*/60);
+    return refuse(
+        ProblemKind::Unavailable,
+        fmt::format("{} tablets are waiting for a person to type their code; try again in "
+                    "a few minutes",
+                    pairings_.size()),
+        /*retry_after_s=*/60);
   }
   const std::string secret = base64url(random_bytes(32));
   Pairing one{.id = store_.new_id(),

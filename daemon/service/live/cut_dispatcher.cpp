@@ -33,7 +33,8 @@ std::string audit_detail(const ActionRequest& request, const JobRow& row) {
   return detail;
 }
 
-// Why usable devices cannot cut a plan: " (sim:a: it is set up for ...)"; empty: there are none.
+// Why usable devices cannot cut a plan: " (sim:a: it is set up for ...)"; empty if no device is
+// usable.
 std::string why_none(const DeviceRegistry& devices, const PlanRow& plan, const std::string& site) {
   constexpr std::size_t kMost = 3;
   std::vector<std::string> reasons;
@@ -75,7 +76,8 @@ Answer<Job> CutDispatcher::act(const Principal& who, const std::string& id, std:
     ~Placed() { placing.reset(); }
   } placed{placing_};
   try {
-    // Not const, so that it is moved out: without memory, a copy of an Answer ends the program.
+    // Not const, so that it is moved when it is returned. A copy needs memory; without any it would
+    // end the program.
     Answer<Job> done = parts_.store.change([&]() -> Answer<Job> {
       Answer<JobRow> row = parts_.jobs.row(id);
       if (!row) return tl::unexpected(row.error());
@@ -88,7 +90,7 @@ Answer<Job> CutDispatcher::act(const Principal& who, const std::string& id, std:
         return tl::unexpected(fresh.error());
       const JobRow before = *row;
       Answer<Job> acted = act_on(who, *row, request);
-      // A refusal comes with complete requests that are possible.
+      // A refusal lists complete requests that are possible.
       const bool may_write = !parts_.store.degraded() && !parts_.cuts.is_stopping();
       if (!acted && acted.error().next_actions.empty() && may_write)
         acted.error().next_actions = next_actions(before, &request);
@@ -219,6 +221,8 @@ Answer<void> CutDispatcher::arm(const Principal& who, JobRow& row, const ActionR
     return JobRepository::refuse_state(row, fmt::format("{} holds a sheet of job {} ({})", *device,
                                                         other->id, name_of(other->state)));
   if (auto accepted = accept_warnings(row, request); !accepted) {
+    // The warnings about changed tables are in `row` now. `next_actions` adds them itself, so it
+    // gets the row without them.
     if (!changed.empty()) {
       JobRow known = row;
       std::erase_if(known.warnings, [&](const Warning& one) {
@@ -235,9 +239,10 @@ Answer<void> CutDispatcher::arm(const Principal& who, JobRow& row, const ActionR
   if (waiting.resume_at && waiting.resume_at->segment == row.segment &&
       waiting.resume_at->first_stroke != row.first_stroke)
     return JobRepository::refuse_state(
-        row, fmt::format("this sheet would resume at path {}, but a person asked here for path {}; "
-                         "use a new blank with retry-sheet",
-                         row.first_stroke, waiting.resume_at->first_stroke));
+        row,
+        fmt::format("this sheet would resume at path {}, but path {} was requested last; use a "
+                    "new blank with retry-sheet",
+                    row.first_stroke, waiting.resume_at->first_stroke));
   row.device = *device;
   row.operator_name = who.name;
   parts_.jobs.apply(row, Step::ToArmed, "");
@@ -345,7 +350,7 @@ Answer<CutDispatcher::ReadySheet> CutDispatcher::ready_sheet(const JobRow& row) 
                   /*retry_after_s=*/1);
   }
   Result<ProgramShelf::Program>& stored = *found;
-  // Offers only to cancel the job, because arming it again would not help.
+  // Lists only cancel as a next action, because arming the job again would not help.
   const auto lost = [&](std::string detail) {
     Problem problem = JobRepository::conflict(row, std::move(detail));
     problem.next_actions = {next_action(JobAction::Cancel)};
@@ -545,8 +550,8 @@ void CutDispatcher::disarm_because(const std::string& job, const std::string& re
     parts_.jobs.apply(*row, step_of(row->state, JobEvent::ArmLapses), reason);
     return {};
   });
-  // If it could not be written, `tick` tries again. Until then `valid_arm` looks at the time
-  // itself.
+  // If this could not be stored, `tick` tries again. Until then `valid_arm` refuses START, because
+  // it compares the time itself.
   if (done) forget_arm(job);
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Part of daemon/service/live/cut_dispatcher.hpp: complete requests that are possible now. Whoever
-// sends one of them is not refused for a reason that is known now.
+// Part of daemon/service/live/cut_dispatcher.hpp: complete requests that are possible now. None of
+// them would be refused for a reason that is known now.
 #include <algorithm>
 
 #include "daemon/service/live/cut_dispatcher.hpp"
@@ -52,7 +52,7 @@ const Armed* CutDispatcher::valid_arm(const std::string& job) {
   return armed != nullptr && armed->until_ms > parts_.store.monotonic() ? armed : nullptr;
 }
 
-// Requests to arm the sheet; else requests that make a device ready for it.
+// Requests to arm the sheet. If none is possible, requests that make a device ready for it.
 std::vector<NextAction> CutDispatcher::arm_actions(const JobRow& row, const ActionRequest* wanted) {
   const auto plan = parts_.plans.table().find(row.plan);
   if (!plan || plan->state != PlanState::Planned || !parts_.jobs.current_sheet(row) ||
@@ -85,7 +85,8 @@ std::vector<NextAction> CutDispatcher::arm_actions(const JobRow& row, const Acti
   const bool is_known = free.size() + busy.size() == 1 || !row.requested_device.empty();
   for (const std::string& id : free) all.push_back(arm_action(row, is_known ? "" : id));
   if (!all.empty()) return all;
-  // A job that holds a device is armed, cutting or paused. While it is cutting, one can only wait.
+  // The job that holds a busy device is armed, cutting or paused. If it is cutting, nothing can be
+  // requested: wait until it ends.
   for (const std::string& id : busy)
     if (const auto holder = parts_.jobs.table().on_device(id);
         holder && holder->state != JobState::Cutting) {

@@ -16,8 +16,8 @@
 
 namespace popcut::daemon {
 
-// What this run of popcutd knows about jobs and cuts, beyond what the database says. Each state has
-// exactly the data that is valid in it:
+// What this run of popcutd knows about jobs and cuts and does not store in the database. Each state
+// has exactly the data that is valid in it:
 //
 //   Waiting --arm--> Armed --START--> InDoubt --committed--> Running --session over--> Ended
 //
@@ -46,14 +46,14 @@ struct Waiting {
 /// A person armed the sheet at this node. START may follow until `until_ms`.
 struct Armed {
   std::int64_t until_ms{};  ///< monotonic
-  CutStart start{};         ///< what was armed: START cuts this, or nothing
+  CutStart start{};         ///< what was armed; START is refused if the job has another one by then
   Waiting waiting{};        ///< the state to return to when the sheet is no longer armed
 };
 
 /// What is known of the next cut of a job.
 using NextCut = std::variant<Waiting, Armed>;
 
-/// What stays known in both states.
+/// The data of `Waiting`, which an armed job has, too.
 [[nodiscard]] inline const Waiting& waiting_of(const NextCut& next) {
   const Armed* const armed = std::get_if<Armed>(&next);
   return armed != nullptr ? armed->waiting : std::get<Waiting>(next);
@@ -62,30 +62,31 @@ using NextCut = std::variant<Waiting, Armed>;
   return const_cast<Waiting&>(waiting_of(std::as_const(next)));
 }
 
-/// An attempt, from its START on. It stays the same in all states.
+/// An attempt, from its START on. One object for all its states.
 struct Cut {
   AttemptRow attempt;  ///< as it was stored
   std::string owner;   ///< of the job
   double length_mm{};  ///< of all cuts and folds of the sheet
   std::vector<std::uint32_t> dots;
-  std::unique_ptr<IntentJournal>
-      intents;  ///< for the cutter's thread, once the cutter has the sheet
+  /// Once the cutter has the sheet, only its thread uses this.
+  std::unique_ptr<IntentJournal> intents;
 
   // On the service's thread.
-  AttemptMarks marks;                  ///< what is recorded
-  LiveCut live;                        ///< what a job shows meanwhile
-  std::int64_t marked_ms{-1'000'000};  ///< in a fleet: when the database got the marks last
-  bool is_unmarked{false};             ///< in a fleet: the database does not have the last ones yet
+  AttemptMarks marks;                  ///< the strokes that are recorded
+  LiveCut live;                        ///< what the job shows while the sheet is cut
+  std::int64_t marked_ms{-1'000'000};  ///< in a fleet: when `marks` was last stored in the database
+  bool is_unmarked{false};             ///< in a fleet: the database has older marks
 
   // Written by the cutter's thread, under the lock.
   struct Settled {
-    std::int64_t certain{-1}, taken{-1};  ///< last strokes
-    std::uint64_t bytes{};
-    bool is_new{false};
+    std::int64_t certain{-1};  ///< the last stroke that is certainly cut
+    std::int64_t taken{-1};    ///< the last stroke of which the cutter accepted a byte
+    std::uint64_t bytes{};     ///< that the cutter accepted
+    bool is_new{false};        ///< it is not recorded yet
   };
   std::mutex mutex;
   Settled settled;
-  std::optional<SessionProgress> news;  ///< the last progress, until the service's thread takes it
+  std::optional<SessionProgress> news;  ///< progress that the service's thread has not seen yet
 
   [[nodiscard]] std::uint64_t bytes_taken() {
     const std::lock_guard lock(mutex);
@@ -103,26 +104,26 @@ struct Running {
   bool is_pause_unrecorded{false};        ///< a pause could not be stored yet
   bool is_cancelled{false};               ///< a person cancelled it
   SessionProgress progress{};             ///< the last one
-  std::string attention{};                ///< kind of the attention that the job shows meanwhile
+  std::string attention{};                ///< kind of the attention that the job shows now
   std::int64_t published_ms{-1'000'000};  ///< when progress was last published
 
   /// Whether the tool is up and waits.
   [[nodiscard]] bool is_held() const { return progress.phase == SessionPhase::Held; }
 };
 
-/// The cutter did not take the sheet: no byte was sent. This is not recorded yet.
+/// The cutter refused the sheet, so no byte was sent. The database does not say so yet.
 struct Refused {
   std::shared_ptr<Cut> cut;
   std::string why;
 };
 
-/// The session is over. Its end is not recorded yet.
+/// The session has ended. The database does not say so yet.
 struct Ended {
   std::shared_ptr<Cut> cut;
   SessionEnd end;
-  bool is_cancelled{false};  ///< as while it was cut
+  bool is_cancelled{false};  ///< a person cancelled it
   bool was_held{false};      ///< the tool was up, because of a pause
-  std::string logged{};      ///< the last reason why it could not be recorded
+  std::string logged{};      ///< the last logged reason why the end could not be recorded
 };
 
 using CutState = std::variant<InDoubt, Running, Refused, Ended>;

@@ -61,7 +61,7 @@ std::vector<FateRun> fate_runs(const std::vector<StrokeFate>& fates,
                                const std::vector<std::uint32_t>& dots, std::int64_t first,
                                std::int64_t strokes) {
   std::vector<FateRun> runs;
-  // Of the whole program, or only of what was to be cut.
+  // `fates` begins with the first stroke of the program, or with stroke `first`.
   const auto given = static_cast<std::int64_t>(fates.size());
   const std::int64_t offset = given == strokes ? 0 : first;
   PathFate before = PathFate::Certain;

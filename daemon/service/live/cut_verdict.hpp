@@ -15,8 +15,8 @@ struct CutVerdict {
   std::string kind;         ///< "done", "device_gone", "panel_stop", ...
   std::string attention;    ///< kind of the attention that an interrupted job gets
   std::string text;         ///< for people
-  bool complete{false};     ///< all strokes are certain, and the device reported that it rests
-  bool unconfirmed{false};  ///< all was sent, but the device did not confirm it
+  bool complete{false};     ///< all strokes are certain, and the device reported that it is idle
+  bool unconfirmed{false};  ///< all was sent, but the device did not report that it was cut
 };
 /// @param runs  the fates of the strokes that were to be cut, from `fate_runs`
 [[nodiscard]] CutVerdict verdict_on(const SessionEnd& end, const std::vector<FateRun>& runs,

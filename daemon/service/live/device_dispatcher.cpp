@@ -61,7 +61,8 @@ Answer<DeviceRecord> DeviceDispatcher::act(const Principal& who, const std::stri
   });
   if (!done) return tl::unexpected(done.error());
   if (enabling) {
-    // The registry takes it after the commit, which may be that of an outer transaction.
+    // The registry changes only after the commit, and an outer transaction may not be committed
+    // yet.
     const bool enabled = request.action == "enable";
     if (device->enabled != enabled) ++device->rev;
     device->enabled = enabled;
@@ -78,8 +79,8 @@ Answer<void> DeviceDispatcher::carry_out(const Principal& who, const DeviceRecor
   if (request.action == "enable" || request.action == "disable") {
     const bool enables = request.action == "enable";
     parts_.devices.set_enabled(id, enables);
-    // Disarm what is armed there, but only when the device is disabled for good: the disabling may
-    // be rolled back.
+    // Disarm the sheet in the device only after the commit, because the transaction may be rolled
+    // back.
     if (!enables) parts_.store.after_commit([this, id] { parts_.dispatcher.devices_gone({id}); });
   } else if (request.action == "reset") {
     if (!device.job.empty()) {
@@ -120,11 +121,11 @@ void DeviceDispatcher::reset(const std::string& id) {
       try {
         const Result<void> done = cutters->reset(id);
         post([this, id, done] { reset_ended(id, done); });
-      } catch (const std::exception&) {  // no memory; an exception here would end popcutd
+      } catch (const std::exception&) {  // out of memory; an uncaught exception would end popcutd
         resetting_ = false;
       }
     });
-  } catch (...) {  // there is no thread that ends it
+  } catch (...) {  // the thread did not start, so it will not clear the flag
     resetting_ = false;
     throw;
   }

@@ -12,7 +12,7 @@
 
 namespace popcut::daemon {
 
-/// Requests for the cutters themselves, not for a job: list, enable, disable, reset, test-cut.
+/// Carries out requests for a cutter instead of a job: list, enable, disable, reset, test-cut.
 class DeviceDispatcher : public Devices {
  public:
   struct Parts {

@@ -33,7 +33,8 @@ Answer<void> FleetWatch::begin() {
   return {};
 }
 
-// Whether the blocking lease is from an earlier run of this node. If so, wait until it expires.
+// Whether the lease that prevents a new epoch is of an earlier run of this node. If so, `tick`
+// tries until it expires.
 bool FleetWatch::is_held_by_own_lease() const {
   try {
     return lease_.is_own_life();
@@ -42,14 +43,14 @@ bool FleetWatch::is_held_by_own_lease() const {
   }
 }
 
-// The new epoch is committed before anything is read, so that no START of the earlier epoch can
-// still be stored after that.
+// The new epoch is committed before anything is read. After that, the database stores no START of
+// an earlier epoch, so what is read is complete.
 void FleetWatch::begin_epoch() {
   has_begun_ = false;
   lease_.begin();
   log_generation();
   parts_.store.begin_delivery();
-  // Revoke each START whose answer was lost before another database took over.
+  // Revoke each START of this run that the database has, but whose answer was lost.
   for (const AttemptRow& open : parts_.jobs.attempts().open())
     if (!parts_.cuts.has(open.id)) (void)parts_.cuts.revoke_start(open);
   if (const Answer<void> recovered =
@@ -72,7 +73,8 @@ void FleetWatch::begin_epoch() {
   parts_.devices.load_others();
 }
 
-// A generation is a timeline, a dot, and when a node last saw that the database went back.
+// A generation is "TIMELINE.TIME": the timeline of the database, and when a node last noticed that
+// the database went back to an earlier state.
 void FleetWatch::log_generation() const {
   const std::string &before = lease_.generation_before(), &now = lease_.generation();
   if (before.empty() || before == now) return;
@@ -109,7 +111,7 @@ void FleetWatch::tick() {
     if (has_begun_) parts_.store.deliver_new_events();
     lease_.saw(parts_.store.last_delivered());
   } catch (const StoreFault& fault) {
-    // Another popcutd has begun with this name, or the database does not answer.
+    // Refused: another popcutd has begun with the name of this node.
     if (fault.kind() == FaultKind::Refused) has_begun_ = false;
     log_fault(fault);
   }
@@ -130,9 +132,9 @@ void FleetWatch::beat() {
   close_lost_nodes();
 }
 
-// Looks for attempts that are open in the database, but not cut here. A START whose answer was lost
-// is revoked, since the knife moves only after the answer. For any other attempt the journals
-// decide.
+// Looks for attempts that are open in the database, but not cut here. If only the answer to a START
+// was lost, revokes the START: the knife moves only after the answer. For any other attempt, begins
+// a new epoch, which compares the journals.
 void FleetWatch::check_open_attempts() {
   in_doubt_ = false;
   for (const AttemptRow& open : parts_.jobs.attempts().open())

@@ -11,9 +11,10 @@
 
 namespace popcut::daemon {
 
-/// This popcutd as a node of a fleet. When the database answers, the node begins, renews its lease,
-/// compares its journals with the database, closes the work of lost nodes, and publishes the events
-/// of others. On the service's thread.
+/// This popcutd as a node of a fleet. When the database answers, the node begins a new epoch: it
+/// gets a lease and compares its journals with the database. Then it renews the lease, closes the
+/// work of nodes that do not answer, and publishes the events of others. Call it on the service's
+/// thread.
 class FleetWatch {
  public:
   struct Parts {
@@ -29,15 +30,16 @@ class FleetWatch {
   FleetWatch(const FleetWatch&) = delete;
   FleetWatch& operator=(const FleetWatch&) = delete;
 
-  /// Begins. If the database does not answer, that is no failure: `tick` begins later.
+  /// Begins an epoch. If the database does not answer, this succeeds, and `tick` begins one later.
   ///
   /// @retval StateConflict  another popcutd has this node's name
   [[nodiscard]] Answer<void> begin();
-  /// Begins if it has not, renews the lease, and publishes events of others. About once a second.
+  /// Begins an epoch if none has begun, renews the lease, and publishes events of others. Call this
+  /// about once a second.
   void tick();
   /// Gives up the lease.
   void end();
-  /// Refuses while this node may not arm and start.
+  /// Refuses while this node may neither arm nor start.
   [[nodiscard]] Answer<void> may_cut() const;
   [[nodiscard]] const NodeLease& lease() const { return lease_; }
   /// OpenMetrics lines about this node and the other ones.

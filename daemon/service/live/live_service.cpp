@@ -28,7 +28,8 @@ constexpr int kCheckpointPages = 500;
 constexpr std::size_t kEndedJournals = 50;
 constexpr int kPrunedAtOnce = 500;
 constexpr int kMostEvents = 1000;
-constexpr std::int64_t kAfter_ms = 24 * 3'600'000;  // an event so far ahead had a wrong clock
+// An event whose time is so far ahead was stored while the clock was wrong.
+constexpr std::int64_t kAfter_ms = 24 * 3'600'000;
 constexpr std::int64_t kUsageAtOnce = 10'000;
 constexpr int kPagesAtOnce = 500;
 
@@ -54,7 +55,8 @@ ServiceOptions completed(ServiceOptions options) {
   return options;
 }
 
-/// The parts. Each needs only parts above it.
+/// The parts of the service. A part refers only to parts that are declared before it; what it needs
+/// of later ones are functions, which the constructor sets.
 struct Parts {
   Parts(Store& disk, ServiceThread& service_thread, Planner& planner, Cutters& all_cutters,
         ServiceOptions given)
@@ -81,7 +83,8 @@ struct Parts {
         device_dispatcher({store, post, cutters, registry, jobs, cuts, dispatcher}) {
     if (store.in_fleet()) {
       fleet.emplace(FleetWatch::Parts{store, jobs, registry, intents, cuts, dispatcher, options});
-      // So a journal shows from which machine and folder it is.
+      // The id of the run is in each journal, so a journal shows from which machine and folder it
+      // is.
       options.invocation = store.node().mark() + options.invocation.substr(0, 16);
     }
     if (store.in_fleet() && options.fleet.has_database_clock) {
@@ -227,7 +230,7 @@ class AssembledService final : private PartsHolder, public Operations, public Li
   void copy(const std::string& path, std::function<Answer<std::string>()> finish,
             std::function<void(Answer<std::string>)> done);
   bool copying_{false};
-  // Since `after_remote_events`: other nodes changed devices, or queued jobs.
+  // Whether other nodes changed devices or queued jobs since the last `after_remote_events`.
   bool others_changed_{false}, others_queued_{false};
 };
 
@@ -248,13 +251,14 @@ Answer<void> AssembledService::begin() {
   return {};
 }
 
-// Begins also without the database, to show the cutters and to finish what they cut.
+// If the database does not answer, the service begins all the same: it shows the cutters, and what
+// they cut is finished.
 Answer<void> AssembledService::begin_in_fleet() {
   parts_.fleet->on_begun = [this] {
     parts_.tokens.users_changed();
     parts_.registry.load();
-    parts_.registry
-        .load_others();  // before `look`: one of their cutters may be plugged in here now
+    // Before `refresh`, because a cutter of another node may be plugged in here now.
+    parts_.registry.load_others();
     parts_.device_dispatcher.refresh();
     parts_.jobs.plans_ended_before();
     parts_.plans.pump();
@@ -266,8 +270,8 @@ Answer<void> AssembledService::begin_in_fleet() {
   return parts_.fleet->begin();
 }
 
-// Stores the large assets in the database that this node accepted but did not store there before
-// it ended.
+// Stores large assets in the shared database. The last run of this node accepted them, but ended
+// before it stored them there.
 void AssembledService::share_again() {
   SharedFiles* const files = &parts_.store.files();
   for (const std::string& id : all_of(
@@ -280,7 +284,7 @@ void AssembledService::share_again() {
     });
 }
 
-// What another node did may concern a cut or a plan of this one.
+// An event of another node may be about a cut or a plan of this one.
 void AssembledService::on_remote_event(const Event& event) {
   if (event.kind == "device") others_changed_ = true;
   if (event.kind == "job") {
@@ -322,7 +326,7 @@ Answer<void> AssembledService::begin_alone() {
   try {
     parts_.raw.mark_in_use();
   } catch (const StoreFault&) {
-    // popcutd starts also on a full disk, so that people can see it and free space.
+    // popcutd starts on a full disk too, so that people see the reason and can free space.
     if (!parts_.raw.folder().free_reserve()) throw;
     parts_.store.note_full();
     parts_.raw.mark_in_use();
@@ -336,12 +340,12 @@ Answer<void> AssembledService::begin_alone() {
 Answer<Rendered> AssembledService::once(const Principal& who, const IdempotentRequest& request,
                                         const std::function<Rendered()>& effect) {
   if (request.key.empty()) return effect();
-  // A response that is not kept rolls the transaction back, and is returned from here.
+  // A response that is not kept: the transaction is rolled back, and this is returned.
   std::optional<Rendered> unkept;
   Answer<Rendered> answer = parts_.store.change([&]() -> Answer<Rendered> {
     unkept.reset();
     Database& db = parts_.store.db();
-    // In a fleet two nodes may get the same request at once.
+    // In a fleet two nodes may get the same request at the same time.
     db.hold(fmt::format("idem {} {}", who.name, request.key));
     Rows kept = db.rows(
         "SELECT request, status, body, etag, location, expires FROM idem WHERE principal=? AND "
@@ -471,7 +475,8 @@ void AssembledService::copy(const std::string& path, std::function<Answer<std::s
       "pages of a copy",
       [this, copy]() -> Answer<bool> {
         if (const auto free = check_idle(); !free) return tl::unexpected(free.error());
-        // A fault of the disk of the copy is not a fault of the database.
+        // Only a damaged database is a fault of the database. Any other fault may be one of the
+        // disk that gets the copy.
         try {
           return (*copy)->step(kPagesAtOnce);
         } catch (const StoreFault& fault) {
@@ -540,8 +545,8 @@ void AssembledService::check_integrity(const Principal& who,
       fresh, [fresh]() -> Answer<std::string> { return verdict_on_copy(fresh); }, std::move(done));
 }
 
-// Whether `prune` has something to delete, which may be an event from the future: its clock was
-// wrong.
+// Whether `prune` has something to delete. That may be an event from the future, which was stored
+// while the clock was wrong.
 bool AssembledService::has_old_rows() {
   const TimeMs now = parts_.calendar.now();
   Database& db = parts_.store.db();
@@ -609,7 +614,7 @@ Result<std::unique_ptr<LiveService>> make_service(Store& store, ServiceThread& t
                                                   ServiceOptions options) {
   Result<std::unique_ptr<LiveService>> made =
       fail(ErrorKind::Internal, "", "the service's thread has ended");
-  // A database that passed its checks may still hold invalid values.
+  // A database that passed its checks may still contain invalid values.
   const auto give_up = [&](bool damaged, const std::string& why) {
     store.give_up();
     made = damaged ? fail(ErrorKind::Malformed, "", store.set_aside_as("is damaged: " + why))

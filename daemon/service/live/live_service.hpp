@@ -13,23 +13,27 @@
 
 namespace popcut::daemon {
 
-/// The service over a store, with what its owner needs besides.
+/// The service, with the functions that only its owner calls: popcutd or a test.
 class LiveService : public Service {
  public:
   virtual ~LiveService() = default;
   /// popcutd stops: no new cut begins, and cuts that end from now on are interrupted with the
   /// reason `shutdown`. Call `Cutters::stop_all` next, on any thread but the service's.
   virtual void stopping() = 0;
-  /// In a fleet: another node notified this one, of `kAccessChanged` or (any other text) of events.
+  /// In a fleet: another node sent a notice. `kAccessChanged` is about credentials; any other text
+  /// says that there are new events.
   virtual void on_fleet_notice(const std::string& notice) = 0;
   /// In a fleet: gives up the lease of this node. Call this after the cuts have ended.
   virtual void leave_fleet() = 0;
-  /// Periodic work: expired arms, old rows, the disk. `make_service` has it called once a second.
+  /// Periodic work, for example with expired arms, old rows and the disk. The service's thread
+  /// calls this once a second.
   virtual void tick() = 0;
-  /// The check of the whole database, which runs while the service begins, is over. If `damage` is
-  /// empty, sheets may be armed; else nothing is written any more. On the service's thread.
+  /// The check of the whole database, which may run longer than the start of the service, has
+  /// ended. If `damage` is empty, sheets may be armed; otherwise nothing more is written. Call this
+  /// on the service's thread.
   virtual void check_ended(const std::string& damage) = 0;
-  /// Changes options. Queued, armed and cutting jobs keep theirs. On the service's thread.
+  /// Changes options, for new requests only: a job that exists is kept even if it exceeds a new
+  /// limit. Call this on the service's thread.
   virtual void retune(ServiceTuning tuning) = 0;
 
  protected:

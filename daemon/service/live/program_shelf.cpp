@@ -11,7 +11,7 @@
 namespace popcut::daemon {
 namespace {
 
-// Read and checked in a few milliseconds.
+// A file of this size is read and hashed in a few milliseconds.
 constexpr std::uintmax_t kSmallBytes = 128u << 10;
 
 Result<ProgramShelf::Program> read_whole_program(const ProgramShelf::Read& read,
@@ -22,7 +22,7 @@ Result<ProgramShelf::Program> read_whole_program(const ProgramShelf::Read& read,
   return ProgramShelf::Program{std::move(*stored), std::move(sha256)};
 }
 
-// The larger of the program and its index: both are read.
+// Whether both files that are read are small: the program and its index.
 bool is_small(const std::string& folder, int sheet) {
   const std::string stem = fmt::format("{}/sheet-{:02}", folder, sheet);
   for (const char* ending : {".gpgl", ".hpgl", ".program.json"}) {

@@ -15,8 +15,8 @@
 
 namespace popcut::daemon {
 
-/// The programs of sheets that will soon be cut. A large one is read and hashed on another thread,
-/// between arming and START. A small one is read at once.
+/// The programs of sheets that will soon be cut. A large one takes long to read and hash, so
+/// another thread does this between arming and START. A small one is read when `find` is called.
 class ProgramShelf {
  public:
   using Read = std::function<Result<StoredProgram>(const std::string& folder, int sheet)>;
@@ -30,9 +30,11 @@ class ProgramShelf {
   ProgramShelf(const ProgramShelf&) = delete;
   ProgramShelf& operator=(const ProgramShelf&) = delete;
 
-  /// Begins to read the program if it is large. It replaces the earlier one of `job`.
+  /// Begins to read the program on the other thread if it is large. Forgets the earlier program of
+  /// `job`.
   void read_ahead(const std::string& job, const std::string& folder, int sheet);
-  /// The program, which is kept until `forget`; nothing while it is still being read.
+  /// The program. Nothing while the other thread reads it; if it does not yet, it begins now. A
+  /// large program is kept until `forget`.
   [[nodiscard]] std::optional<Result<Program>> find(const std::string& job,
                                                     const std::string& folder, int sheet);
   void forget(const std::string& job) { shelf_.erase(job); }

@@ -17,13 +17,14 @@ namespace {
 constexpr std::int64_t kPublishEvery_ms = 500;
 // `tick` comes once a second, so that events are 2 s apart at most.
 constexpr std::int64_t kRepeatAfter_ms = 1000;
-constexpr double kBusy_s = 5;  // longer than a cutter with a full buffer accepts nothing
+// A working cutter with a full buffer accepts data again sooner.
+constexpr double kBusy_s = 5;
 
 bool is_paused_at_panel(const SessionProgress& progress) {
   return progress.phase == SessionPhase::Paused || progress.asks;
 }
 
-/// The kind of what a person should see to while a cut goes on; empty: nothing.
+/// The kind of the attention that a cut needs while it goes on; empty if it needs none.
 std::string attention_meanwhile(const SessionProgress& progress) {
   if (is_paused_at_panel(progress)) return "device_fault";
   return progress.mute_s >= kBusy_s ? "device_busy" : "";
@@ -61,8 +62,8 @@ IntentHead head_of(const AttemptRow& row) {
 
 }  // namespace
 
-/// Takes what the cutter's thread records. It may outlive `RunningCuts`, so only posted work uses
-/// that.
+/// Records for the cutter's thread. It may outlive `RunningCuts`, so it uses `RunningCuts` only in
+/// posted work, which does not run after that is gone.
 class RunningCuts::Journal final : public CutJournal {
  public:
   Journal(RunningCuts& cuts, std::shared_ptr<Cut> cut)
@@ -76,10 +77,11 @@ class RunningCuts::Journal final : public CutJournal {
     Result<void> done = tl::unexpected(unrecordable("popcutd is stopping"));
     const Clock::time_point begun = Clock::now();
     try {
-      // Write the files beside the database first, then the database, so that neither can lose its
-      // end unnoticed. Write the files on this thread, because other work waits for the service's.
+      // Write the journal first, then the database: if either loses its last records in a crash,
+      // the other one shows it. Write the journal on this thread, because the service's thread must
+      // not wait for the disk longer than it has to.
       if (const Result<void> beside = intend_in_files(last_stroke); !beside) return beside;
-      // In a fleet the files are enough: a database that does not answer must not end a cut.
+      // In a fleet the journal is enough: a database that does not answer must not end a cut.
       if (is_in_fleet_) {
         post_([cuts = &cuts_, cut = cut_,
                last_stroke] { (void)cuts->record_intent(*cut, last_stroke); },
@@ -97,8 +99,8 @@ class RunningCuts::Journal final : public CutJournal {
     return done;
   }
 
-  // Recorded with the next `intend`, with progress, or at the end: one commit for each step. If a
-  // crash loses it, more is in doubt, never less.
+  // Only kept in memory. The next `intend`, the next progress or the end records it, so that it
+  // needs no commit of its own. If a crash loses it, more strokes are in doubt, never fewer.
   Result<void> settle(std::int64_t certain, std::int64_t taken,
                       std::uint64_t bytes_taken) override {
     const std::lock_guard lock(cut_->mutex);
@@ -137,7 +139,7 @@ class RunningCuts::Journal final : public CutJournal {
         cuts_.ended(cut_->attempt.id, end);
       });
     } catch (const std::exception&) {
-      // There was no memory. The tick records the ends of all cuts in the state `Ended`.
+      // Out of memory. Only change the state; `tick` records the end.
       post_([cuts = &cuts_, cut = cut_, end] {
         if (const Running* const running = cuts->find_running(cut->attempt.id))
           cuts->cuts_.at(cut->attempt.id) = to_ended(*running, end);
@@ -159,7 +161,7 @@ class RunningCuts::Journal final : public CutJournal {
     }
   }
 
-  /// On the service's thread: how long the stream to the cutter waited the last time.
+  /// Adds to the metrics how long the cutter waited for the last `intend`. On the service's thread.
   void note_wait() {
     if (const auto waited = std::exchange(waited_s_, std::nullopt))
       cuts_.parts_.store.note_stream_wait(*waited);
@@ -222,8 +224,8 @@ std::string RunningCuts::job_on(const std::string& device) const {
 
 // 2. START.
 
-// The journal comes before the database, and both before the knife. After the commit, only
-// `hand_over` allocates memory.
+// Writes the journal, then the database; the knife comes last. After the commit, only `hand_over`
+// allocates memory, because it can record that there is none.
 void RunningCuts::start(std::shared_ptr<Cut> cut, CutOrder order) {
   const AttemptRow& attempt = cut->attempt;
   CutState& state = cuts_[attempt.id];
@@ -248,7 +250,7 @@ void RunningCuts::hand_over(const std::string& attempt, CutOrder order) {
   const Running& running = std::get<Running>(state);
   std::string why;
   try {
-    // The answer to the START may have come so late that others think this node is lost.
+    // The database may have answered so late that other nodes call this one lost.
     if (const auto may = may_cut(); !may) {
       why = may.error().detail;
     } else {
@@ -258,7 +260,7 @@ void RunningCuts::hand_over(const std::string& attempt, CutOrder order) {
       why = message(taken.error());
     }
   } catch (const std::bad_alloc&) {
-    why = "out of memory";  // so short that it needs none
+    why = "out of memory";  // this text is so short that it needs no memory
   }
   state = to_refused(running, std::move(why));
   record_refusal(attempt);
@@ -270,7 +272,8 @@ void RunningCuts::record_refusal(const std::string& attempt) {
   try {
     const Answer<void> recorded = parts_.store.change([&]() -> Answer<void> {
       AttemptTable& attempts = parts_.jobs.attempts();
-      // In a fleet another node may have called it lost, and a person may have acted on that.
+      // In a fleet another node may have called the attempt lost, and a person may have changed the
+      // job since.
       const bool is_ours =
           reconcile(parts_.store, parts_.jobs, attempt, false) == CutStanding::Current;
       Answer<JobRow> row = parts_.jobs.row(refused.cut->attempt.job);
@@ -283,10 +286,10 @@ void RunningCuts::record_refusal(const std::string& attempt) {
         parts_.jobs.apply_or_cancel(*row, step_of(row->state, JobEvent::CutRefused), refused.why);
       return {};
     });
-    if (!recorded) return;  // the tick tries again
+    if (!recorded) return;  // `tick` tries again
     parts_.intents.ended(attempt);
     cuts_.erase(attempt);
-  } catch (const std::bad_alloc&) {  // the tick tries again
+  } catch (const std::bad_alloc&) {  // `tick` tries again
   }
 }
 
@@ -296,7 +299,7 @@ bool RunningCuts::revoke_start(const AttemptRow& attempt) {
       parts_.intents.has(attempt.id))
     return false;
   const Answer<void> noted = parts_.store.change([&]() -> Answer<void> {
-    // This waits for the transaction of that START, if it is not over yet.
+    // Waits until the transaction of that START has ended.
     (void)parts_.store.db().number("SELECT rev FROM job WHERE id=? FOR UPDATE", attempt.job);
     const auto open = parts_.jobs.attempts().find(attempt.id);
     if (!open || open->ended) return {};
@@ -350,8 +353,7 @@ Result<void> RunningCuts::record_intent(Cut& cut, std::int64_t last_stroke) {
     note_marks();
     return {};
   }
-  // The files beside the database have the intent. The database gets it now and then, if it
-  // answers.
+  // The journal has the intent. The database gets it every `mark_s` seconds, if it answers.
   note_marks();
   cut.is_unmarked = true;
   const std::int64_t now = store.monotonic();
@@ -389,8 +391,8 @@ void RunningCuts::progressed(Running& running, const SessionProgress& progress) 
   if (noted && (is_new_phase || since_ms >= kPublishEvery_ms)) publish(running, *shown);
 }
 
-// Changes the job if the last progress says that a pause has come into effect, or that a person
-// should see to something.
+// Changes and stores the job if the last progress says that the tool is up after a pause, or that
+// the cut needs attention.
 void RunningCuts::record_progress(Running& running, JobRow& row) {
   const SessionProgress& progress = running.progress;
   const auto begins_pause = [&](const JobRow& job) {
@@ -402,7 +404,8 @@ void RunningCuts::record_progress(Running& running, JobRow& row) {
   if (!begins_pause(row) && attention == running.attention) return;
   std::optional<JobRow> changed;
   const Answer<void> stored = parts_.store.change([&]() -> Answer<void> {
-    // Read it again each time: on a full disk this runs twice, and another node may change the job.
+    // Read the job again: on a full disk this runs twice, and another node may have changed the
+    // job.
     Answer<JobRow> job = parts_.jobs.row(row.id);
     if (!job) return tl::unexpected(job.error());
     if (begins_pause(*job)) parts_.jobs.apply(*job, step_of(job->state, JobEvent::CutHeld), "");
@@ -415,7 +418,7 @@ void RunningCuts::record_progress(Running& running, JobRow& row) {
     return {};
   });
   if (!stored) {
-    // No more progress comes while the tool is up, so the tick records the pause.
+    // No progress comes while the tool is up, so `tick` records the pause.
     if (begins_pause(row)) running.is_pause_unrecorded = true;
     return;
   }
@@ -465,7 +468,7 @@ void RunningCuts::cancel(const std::string& job, const std::string& device) {
   parts_.cutters.cancel(device);
 }
 
-// If the job cannot be read now, the next tick reads it.
+// If the job cannot be read now, the next `tick` tries again.
 void RunningCuts::apply_remote_request(const std::string& job) {
   Running* const running = find_running_of(job);
   if (running == nullptr) return;
@@ -500,18 +503,18 @@ void RunningCuts::reclaim() {
       return {};
     });
     if (!stored || found != CutStanding::Superseded) continue;
-    parts_.store.log(
-        fmt::format("job {} sheet {}: while this node did not answer, somebody decided otherwise; "
-                    "the cut stops",
-                    row.job, row.sheet));
+    parts_.store.log(fmt::format(
+        "job {} sheet {}: while this node did not answer, a person changed the job; the "
+        "cut stops",
+        row.job, row.sheet));
     parts_.cutters.cancel(row.device);
   }
 }
 
 void RunningCuts::tick() {
   const std::int64_t now = parts_.store.monotonic();
-  // Publish events also for a cutter that reports nothing for a while, so that clients see that
-  // their connection works.
+  // Publish events even if a cutter reports nothing for a while, so that clients see that their
+  // connection works.
   for (auto& [attempt, state] : cuts_) {
     auto* const running = std::get_if<Running>(&state);
     if (running == nullptr || running->progress.strokes == 0 ||
@@ -528,12 +531,12 @@ void RunningCuts::tick() {
     if (Running* const one = find_running(attempt); one->is_pause_unrecorded && one->is_held())
       progressed(*one, SessionProgress(one->progress));
   for (const std::string& attempt : all_in<Refused>()) record_refusal(attempt);
-  // The database may have been away when the event of a request at another node came.
+  // The event of a request at another node may have come while the database did not answer.
   if (parts_.store.in_fleet())
     for (const std::string& attempt : all_in<Running>())
       if (const Running* const one = find_running(attempt))
         apply_remote_request(std::string(one->cut->attempt.job));
-  // A held cut reports no progress, so its marks are stored here.
+  // A paused cut reports no progress, so store its marks here.
   for (const std::string& attempt : all_in<Running>())
     if (Cut& cut = *find_running(attempt)->cut; cut.is_unmarked)
       (void)record_intent(cut, cut.marks.intended);
@@ -550,14 +553,14 @@ void RunningCuts::ended(const std::string& attempt, const SessionEnd& end) {
   try_to_record_end(attempt);
 }
 
-// After a failed write nothing is written any more: the next start finds the job cutting, and says
-// so. What fails otherwise is tried again by the tick.
+// If the database has failed, the end is never stored: the next start finds that the job is
+// cutting, and interrupts it. After any other fault `tick` tries again.
 void RunningCuts::try_to_record_end(const std::string& attempt) {
   Ended& ended = std::get<Ended>(cuts_.at(attempt));
   const Answer<void> recorded =
       parts_.store.change([&]() -> Answer<void> { return record_end(ended); });
   if (!recorded) {
-    // Once for each reason: the tick may try for hours.
+    // Log each reason once, because `tick` may try for hours.
     const AttemptRow& row = ended.cut->attempt;
     const std::string& why = recorded.error().detail;
     if (std::exchange(ended.logged, why) != why)
@@ -612,8 +615,8 @@ Answer<void> RunningCuts::record_end(const Ended& ended) {
   return {};
 }
 
-// Stores the strokes even though the job has moved on. If the restored database lacks the attempt,
-// only the journal keeps them.
+// Stores the strokes, and does not change the job. If the database was restored and does not know
+// the attempt, only the journal keeps them.
 void RunningCuts::record_superseded(const Ended& ended) {
   const AttemptRow& attempt = ended.cut->attempt;
   const SessionEnd& end = ended.end;
@@ -631,7 +634,7 @@ void RunningCuts::change_job(JobRow& row, const CutVerdict& verdict, bool is_can
   if (verdict.complete) {
     const std::string reason = is_cancelled ? row.reason : "";
     jobs.apply(row, step_of(row.state, JobEvent::CutCompletes), "");
-    // A cancel that came after the last stroke of the last sheet came too late.
+    // If this was the last sheet, the job is done, and the cancel came too late.
     if (is_cancelled && !is_terminal(row.state)) jobs.apply(row, Step::ToCancelled, reason);
   } else if (is_cancelled) {
     jobs.apply(row, step_of(row.state, JobEvent::CutStops), row.reason);

@@ -12,11 +12,11 @@
 
 namespace popcut::daemon {
 
-/// The attempts of this node from START until their end is recorded: their journals, their progress
-/// and what people ask of them meanwhile. On the service's thread.
+/// The attempts of this node from START until their end is recorded: their journals, their
+/// progress, and the requests to pause or cancel them. Call it on the service's thread.
 ///
-/// The knife moves only after START is in the journal and in the database, and strokes are sent
-/// only after their intent is. What could not be recorded is tried again by `tick`.
+/// The knife moves only after the START is in the journal and in the database. Strokes are sent
+/// only after their intent is recorded. If something cannot be recorded, `tick` tries again.
 class RunningCuts {
  public:
   struct Parts {
@@ -34,16 +34,16 @@ class RunningCuts {
   ///
   /// @throws StoreFault  Constraint: the blank was started before
   void start(std::shared_ptr<Cut> cut, CutOrder order);
-  /// Pauses at the next end of a stroke. The pause is recorded later, since nothing can be stored
-  /// now.
+  /// Pauses at the end of the stroke, although nothing can be stored now. `tick` records the pause
+  /// later.
   void pause_unrecorded(const std::string& job);
   /// Forgets a pause that was not recorded, because the cut was resumed.
   void forget_pause(const std::string& job);
-  /// Stops `device` at the next end of a stroke, and notes that a person wanted it.
+  /// Stops `device` at the end of the stroke, and remembers that a person cancelled the cut.
   void cancel(const std::string& job, const std::string& device);
-  /// Stops all cuts at the next end of a stroke, because the store can no longer record them.
+  /// Stops all cuts at the end of their stroke, because the store can no longer record them.
   void stop_all();
-  /// Cuts that end from now on do so because popcutd stops.
+  /// From now on, a cut that was stopped gets the reason `shutdown`.
   void stopping() { is_stopping_ = true; }
   [[nodiscard]] bool is_stopping() const { return is_stopping_; }
   /// Publishes progress again, and records what could not be recorded.
@@ -62,14 +62,15 @@ class RunningCuts {
 
   /// Why nothing may be armed or started now; set by `FleetWatch`.
   std::function<Answer<void>()> may_cut = [] { return Answer<void>(); };
-  /// Takes back cuts that another node called lost. Stops a cut if a person has since changed its
-  /// job.
+  /// Makes cuts that another node called lost the current cuts of their jobs again. Stops a cut if
+  /// a person has changed its job since.
   void reclaim();
-  /// Revokes a START of this run that the database has and did not confirm. The knife never moved.
+  /// Revokes a START of this run that the database has stored, but whose answer was lost. The knife
+  /// never moved.
   ///
-  /// @return false  nothing was revoked: it is no such START, so its journal decides
+  /// @return false  it is no such START; compare its journal
   [[nodiscard]] bool revoke_start(const AttemptRow& attempt);
-  /// Does what the database says another node was asked: pause or cancel.
+  /// Pauses or cancels the cut if a person requested it at another node. The job's row says so.
   void apply_remote_request(const std::string& job);
 
  private:

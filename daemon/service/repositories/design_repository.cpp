@@ -19,8 +19,9 @@ constexpr std::string_view kSelectDesign =
     "SELECT design.id, coalesce(own.name, design.name), design.kind, coalesce(own.owner, "
     "design.owner), bytes, coalesce(own.created, design.created), assets, media_type FROM design "
     "LEFT JOIN ownership AS own ON own.kind='design' AND own.id=design.id AND own.owner=?1 WHERE ";
-constexpr std::uint64_t kSpecBytes = 1u << 20;  // longer ones name their material in the request
-constexpr std::uint64_t kNewSpecBytes = 64u << 10;  // of one that is being uploaded
+// The material of a longer spec is not read; the request must name it.
+constexpr std::uint64_t kSpecBytes = 1u << 20;
+constexpr std::uint64_t kNewSpecBytes = 64u << 10;  // the same while a spec is being uploaded
 constexpr std::size_t kMostKept = 1000;             // materials of designs, in memory
 constexpr std::size_t kLongestMaterial = 200;       // bytes of a name, in a table of users, too
 constexpr std::string_view kPreview = "preview.svg";
@@ -45,7 +46,7 @@ const std::string* file_of(const PlanningOutcome& outcome, std::string_view name
   return nullptr;
 }
 
-// The complete names of assets that are anywhere in a file.
+// The names of assets anywhere in a file: "sha256-" and 64 digits.
 std::set<std::string> digests_in(const std::string& path, std::uint64_t limit) {
   constexpr std::string_view kBegin = "sha256-";
   constexpr std::size_t kDigits = 64;
@@ -62,9 +63,9 @@ std::set<std::string> digests_in(const std::string& path, std::uint64_t limit) {
   return all;
 }
 
-// Runs on a thread of the planner, because a preview is large and is synced. A preview may be lost,
-// because it can be drawn again. It may also exist without its design, because it follows from the
-// bytes of the design.
+// Runs on a thread of the planner, because a preview is large and is synced to the disk. It is no
+// fault if a preview is missing, because it can be drawn again, or if its design is missing,
+// because the same bytes always give the same preview.
 void keep_preview(Result<PlanningOutcome>& outcome, const std::string& place) {
   if (!outcome) return;
   if (const std::string* const preview = file_of(*outcome, kPreview))
@@ -131,7 +132,8 @@ bool DesignRepository::add_owner(const Principal& who, const Design& design,
   return true;
 }
 
-// The same bytes with another media type are checked, like a new design.
+// If `who` does not own the design and sent another media type, the bytes are checked like a new
+// design.
 Answer<std::optional<Design>> DesignRepository::known(const Principal& who, const Upload& upload,
                                                       const std::string& media_type,
                                                       const std::string& name) {
@@ -167,7 +169,7 @@ void DesignRepository::add(const Principal& who, Upload upload, std::string medi
     done(tl::unexpected(std::move(problem)));
   };
   if (who.role < Role::Submitter)
-    return give_up({ProblemKind::Forbidden, "only a submitter may upload designs"});
+    return give_up({ProblemKind::Forbidden, "uploading a design requires the role submitter"});
   if (const auto fine = check_text(name, kNameLimit, "?name"); !fine) return give_up(fine.error());
   if (const auto room = store_.accepts_work(); !room) return give_up(room.error());
   const Answer<std::optional<Design>> before = known(who, upload, media_type, name);
@@ -195,7 +197,8 @@ void DesignRepository::add(const Principal& who, Upload upload, std::string medi
       std::move(task), [this, post = post_, files = &store_.files(), who, upload, media_type, name,
                         preview, done = std::move(done)](Result<PlanningOutcome> outcome) {
         keep_preview(outcome, preview);
-        // Before the design has a row, so that every node that sees the design can fetch it.
+        // Share the file before the design has a row, so that each node that sees the design can
+        // fetch it.
         if (outcome)
           if (const Result<void> kept = files->keep("designs/sha256-" + upload.sha256, upload.path);
               !kept)
@@ -243,7 +246,7 @@ Answer<Design> DesignRepository::store(const Principal& who, const Upload& uploa
                   .assets = outcome.assets};
     const std::string place = store_.folder().at("designs/" + id);
     if (!exists(upload.path) && exists(place)) {
-      // The transaction is tried a second time.
+      // The transaction runs a second time: the first one moved the file.
     } else if (const Result<void> kept = keep_file(upload.path, place); !kept) {
       return tl::unexpected(store_.file_problem(kept.error()));
     }
@@ -261,7 +264,7 @@ Answer<Asset> DesignRepository::add_asset(const Principal& who, const Upload& up
   const std::string id = "sha256-" + upload.sha256;
   Answer<Asset> added = store_.change([&]() -> Answer<Asset> {
     if (who.role < Role::Submitter)
-      return refuse(ProblemKind::Forbidden, "only a submitter may upload assets");
+      return refuse(ProblemKind::Forbidden, "uploading an asset requires the role submitter");
     if (const auto fine = check_text(upload.name, kNameLimit, "?name"); !fine)
       return tl::unexpected(fine.error());
     owners_.hold(Owned::Asset, id);
@@ -275,7 +278,7 @@ Answer<Asset> DesignRepository::add_asset(const Principal& who, const Upload& up
     if (const auto room = store_.accepts_work(); !room) return tl::unexpected(room.error());
     const std::string place = store_.folder().at("assets/" + id);
     if (!exists(upload.path) && exists(place)) {
-      // The transaction is tried a second time.
+      // The transaction runs a second time: the first one moved the file.
     } else if (const Result<void> kept = keep_file(upload.path, place); !kept) {
       return tl::unexpected(store_.file_problem(kept.error()));
     }

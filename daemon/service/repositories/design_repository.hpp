@@ -23,8 +23,8 @@ namespace popcut::daemon {
 /// The pictures of a design that are kept, see `Designs::picture`.
 inline constexpr std::array<const char*, 2> kPictures{"deployed.svg", "pattern.svg"};
 
-/// Designs and assets: files named by the digest of their bytes, a row for each, and their owners
-/// (see `OwnershipTable`).
+/// Designs and assets. Each has a row, owners (see `OwnershipTable`), and a file that is named by
+/// the digest of its bytes.
 class DesignRepository : public Designs {
  public:
   /// @param previewer  may be null; then there are no previews
@@ -45,7 +45,7 @@ class DesignRepository : public Designs {
   Answer<void> remove_asset(const Principal& who, const std::string& id) override;
   Page<Design> list(const Principal& who, const PageRequest& request) override;
   Answer<Design> find(const Principal& who, const std::string& id) override;
-  /// The design as a non-owner sees it.
+  /// The design with the name and time of its first owner.
   [[nodiscard]] Answer<Design> find(const std::string& id);
   Answer<std::string> content(const std::string& id) override;
   /// As `find`; also fetches its file and its assets into the state folder if another node has
@@ -66,22 +66,23 @@ class DesignRepository : public Designs {
   CancelView file(const Principal& who, const std::string& id, const std::string& name, int part,
                   OnView done) override;
 
-  /// Has the previewer make the file `name`, and calls `done` with its content.
+  /// Starts a task of the previewer, and calls `done` with the content of the file `name` that the
+  /// task makes.
   CancelView show(PreviewTask task, std::string name, OnView done);
-  /// The path of an asset, which is fetched if another node has it.
+  /// The path of an asset. Fetches it into the state folder if another node has it.
   ///
   /// @retval NotFound     there is no such asset
   /// @retval Unavailable  it is still being fetched
   [[nodiscard]] Answer<std::string> asset_path(const std::string& id);
-  /// The planner's task for a stored design: its bytes, kind and assets.
+  /// A task for a stored design, with its file, kind, material and assets.
   [[nodiscard]] PlanningTask task_for(const Design& design, PlanningTask::Kind kind);
   /// Makes `who` an owner of a design and of its assets, in a transaction. Returns true if `who`
   /// was not an owner before.
   bool add_owner(const Principal& who, const Design& design, const std::string& name);
-  /// The same of an asset.
+  /// The same for an asset.
   bool add_asset_owner(const Principal& who, const std::string& id, const std::string& name);
   [[nodiscard]] OwnershipTable& owners() { return owners_; }
-  /// The material that a spec names; empty if it names none.
+  /// The material that a spec names; empty if it names none. Reads the file the first time.
   [[nodiscard]] std::string material_in_spec(const Design& design);
   /// The row of a material as JSON, for an empty name that of the usual one; empty if there is no
   /// such material.
@@ -100,7 +101,7 @@ class DesignRepository : public Designs {
   /// The row with `owner`'s own name and time, if they are an owner.
   [[nodiscard]] std::optional<Design> row(const std::string& id, std::string* media_type = nullptr,
                                           const std::string& owner = {});
-  /// The design of these bytes if it needs no check, with `who` as an owner.
+  /// The design if these bytes are stored already and need no check. Makes `who` an owner of it.
   [[nodiscard]] Answer<std::optional<Design>> known(const Principal& who, const Upload& upload,
                                                     const std::string& media_type,
                                                     const std::string& name);

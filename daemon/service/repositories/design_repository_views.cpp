@@ -128,15 +128,16 @@ void DesignRepository::picture(const Principal& who, const std::string& id, cons
   if (!previewer_) return done(no_previewer());
   const auto drawn = picture_requests_.find(id);
   if (drawn != picture_requests_.end()) return drawn->second.push_back({name, std::move(done)});
-  // Add this request to `picture_requests_` only after its task has begun, because later requests
-  // for the design then wait for that task.
+  // Later requests for this design wait for the task of this one. So add this request to
+  // `picture_requests_` only after its task has begun.
   Answer<PreviewTask> task = store_.read([&]() -> Answer<PreviewTask> {
     return PreviewTask{task_for(*design, PlanningTask::Kind::Picture), who.name};
   });
   if (!task) return done(tl::unexpected(task.error()));
   previewer_->start(std::move(*task), [this, id, post = post_,
                                        folder = &store_.folder()](Answer<PlanningOutcome> outcome) {
-    // A design without a picture must not be tried again and again.
+    // If the design cannot be drawn, keep a picture that says so, and do not try it again each
+    // time.
     if (!outcome && outcome.error().kind == ProblemKind::Validation) {
       outcome = PlanningOutcome{};
       for (const char* const one : kPictures)

@@ -12,7 +12,7 @@
 namespace popcut::daemon {
 namespace {
 
-// A plan may exceed the device's area by this much. This absorbs rounding.
+// A plan may exceed the device's area by this much, because of rounding.
 constexpr double kAreaSlackMm = 0.05;
 
 bool is_away(const std::string& state) { return state == "absent" || state == "offline"; }
@@ -44,8 +44,12 @@ void DeviceRegistry::load() {
                           record.width_mm, record.length_mm, record.enabled, record.sheets_done,
                           record.cut_mm, record.node, record.site));
     record.state = "absent";
-    // Other nodes read the site from the database.
-    if (record.site != options_.fleet.site) unstored_ = true, ++record.rev;
+    // The site was changed in the configuration: store it, because other nodes read it from the
+    // database.
+    if (record.site != options_.fleet.site) {
+      unstored_ = true;
+      ++record.rev;
+    }
     Entry& entry = entries_[record.id];
     entry = {.record = record, .machine = {}, .sessions = entry.sessions};
   }
@@ -77,12 +81,12 @@ void DeviceRegistry::load_others() {
       record.reasons = {fmt::format("node {} does not answer", record.node)};
     }
     Entry& entry = entries_[record.id];
-    // Whether a device of the same id is plugged in here. If none is, the device was carried to the
+    // If a device of this id is plugged in here, keep its entry. If not, it was carried to the
     // other node.
     const bool is_here =
         !entry.record.id.empty() && !entry.is_remote && entry.record.state != "absent";
     if (is_here) {
-      // A node that does not answer no longer has it.
+      // If the other node does not answer, or the device is unplugged there, only this node has it.
       const std::string taken_by = is_away(record.state) ? std::string() : record.node;
       if (taken_by.empty() && !entry.taken_by.empty()) unstored_ = true;
       if (taken_by.empty() && inherit(entry.record, record)) unstored_ = true;
@@ -131,14 +135,14 @@ const std::vector<std::string>* DeviceRegistry::materials_of(const std::string& 
   return set_up == options_.device_materials.end() ? nullptr : &set_up->second;
 }
 
-// Takes what the bus reports. True if anything has changed that people see.
+// Copies what `Cutters` reports. True if anything has changed that people see.
 bool DeviceRegistry::update_entry(Entry& entry, const DeviceRecord& fresh) {
   DeviceRecord& record = entry.record;
   const bool changed = record.state != fresh.state || record.reasons != fresh.reasons ||
                        record.firmware != fresh.firmware || record.model != fresh.model ||
                        record.title != fresh.title || record.width_mm != fresh.width_mm ||
                        record.length_mm != fresh.length_mm;
-  // It may have been away between two calls.
+  // `plugs` also shows that it was away between two calls.
   if ((is_away(record.state) && !is_away(fresh.state)) || record.plugs != fresh.plugs)
     ++entry.sessions;
   record.plugs = fresh.plugs;
@@ -164,7 +168,7 @@ std::vector<std::string> DeviceRegistry::refresh() {
     const bool is_new = !entries_.contains(fresh.id);
     Entry& entry = entries_[fresh.id];
     if (!is_new && entry.is_remote) {
-      // It was moved here from a node that does not answer; or two cutters have the same id.
+      // It was carried here from another node, or two cutters have the same id.
       const DeviceRecord before = std::move(entry.record);
       entry = {};
       entry.record.id = fresh.id;
@@ -198,7 +202,7 @@ std::vector<std::string> DeviceRegistry::refresh() {
     for (auto& [id, entry] : entries_)
       if (!entry.is_remote && std::find(changed.begin(), changed.end(), &entry) == changed.end())
         changed.push_back(&entry);
-  // What cannot be stored now is stored later.
+  // If this cannot be stored, the next call stores all devices of this node.
   const Answer<void> stored = store_.change([&]() -> Answer<void> {
     for (Entry* entry : changed) {
       store_entry(*entry);

@@ -13,8 +13,9 @@
 
 namespace popcut::daemon {
 
-/// The cutters that are connected, and those that were: what the bus reports, joined with what the
-/// store keeps of each. In a fleet also those of other nodes, as these last reported.
+/// The cutters that are connected, and those that were. Joins what `Cutters` reports of each with
+/// what is stored. In a fleet it also has the cutters of other nodes, as these nodes last stored
+/// them.
 class DeviceRegistry {
  public:
   DeviceRegistry(ServiceStore& store, Cutters& cutters, const ServiceOptions& options)
@@ -58,10 +59,10 @@ class DeviceRegistry {
   /// Why a job of `site` cannot use a device: "is at site a; the job is for site b"; empty: it can,
   /// or the job may be cut anywhere.
   [[nodiscard]] std::string wrong_site(const std::string& id, const std::string& site) const;
-  /// An id that changes whenever the device was away, because its sheet may have moved then.
+  /// An id that changes when the device was away, because its sheet may have moved then.
   [[nodiscard]] std::string session_of(const std::string& id) const;
 
-  /// Whether the device cannot cut this plan but could cut a new one.
+  /// Whether the device cannot cut this plan, but could cut the design with a plan for its machine.
   [[nodiscard]] bool needs_other_plan(const std::string& id, const PlanRow& plan) const;
   /// Why a device cannot cut a plan; empty: it can.
   ///
@@ -87,7 +88,7 @@ class DeviceRegistry {
     std::string machine;
     int sessions{0};
     bool is_remote{false};   ///< it is at another node
-    std::string taken_by{};  ///< the node that had a cutter of the same id first
+    std::string taken_by{};  ///< another node that has a cutter of the same id, and had it first
   };
   [[nodiscard]] const std::string& site_of(const Entry& entry) const;
   [[nodiscard]] const std::vector<std::string>* materials_of(const std::string& id) const;

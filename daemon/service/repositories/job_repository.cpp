@@ -12,8 +12,8 @@ namespace popcut::daemon {
 namespace {
 
 constexpr int kAtOnce = 200;  // jobs of one plan that change in one transaction
-// Each job of a list shows only these warnings; the plan has all.
-constexpr std::size_t kWarningsOfJob = 10, kWarningOfJob = 300;  // how many, and their bytes
+// A job has only so many warnings of so many bytes each, because lists show them; the plan has all.
+constexpr std::size_t kWarningsOfJob = 10, kWarningOfJob = 300;
 
 std::string priority_range() {
   return fmt::format("must be {}..{}", kLeastPriority, kMostPriority);
@@ -57,7 +57,7 @@ Answer<void> JobRepository::check(const JobCreate& request) const {
 
 Answer<Job> JobRepository::create(const Principal& who, const JobCreate& request) {
   if (who.role < Role::Submitter)
-    return refuse(ProblemKind::Forbidden, "only a submitter may create jobs");
+    return refuse(ProblemKind::Forbidden, "creating a job requires the role submitter");
   if (const auto fine = check(request); !fine) return tl::unexpected(fine.error());
   return parts_.store.change([&]() -> Answer<Job> {
     if (const auto room = parts_.store.accepts_work(); !room) return tl::unexpected(room.error());
@@ -131,7 +131,7 @@ Answer<Job> JobRepository::add(const Principal& who, const JobCreate& request,
     return refuse_value("/copies", "range",
                         fmt::format("{} copies make {} sheets; a job has at most {}",
                                     request.copies, sheets, parts_.options.sheets_per_job));
-  // The area is compared only if the plan is made: before that, a plan has none.
+  // Until the plan is made its area is 0, so `misfit` does not compare areas.
   if (!request.device.empty())
     if (const std::string why = parts_.devices.misfit(request.device, plan, row.site); !why.empty())
       return refuse_value("/device", "value", why);
@@ -163,7 +163,7 @@ void JobRepository::apply_plan(JobRow& row, const PlanRow& plan) {
   row.high_s = plan.high_s * row.copies;
   row.handwork = plan.handwork;
   row.unaccepted = spoiling_codes(plan.warnings);
-  // After those of the job itself.
+  // Warnings of the job itself come first.
   row.warnings.insert(row.warnings.end(), plan.warnings.begin(), plan.warnings.end());
   shorten(row.warnings, kWarningsOfJob, kWarningOfJob);
   apply(row, step_of(row.state, JobEvent::PlanComes), "");
@@ -212,9 +212,7 @@ void JobRepository::plans_ended_before() {
     plan_ended(plan);
 }
 
-void JobRepository::plan_ended(const std::string& plan) { plan_ended_some(plan); }
-
-void JobRepository::plan_ended_some(const std::string& id) {
+void JobRepository::plan_ended(const std::string& id) {
   bool more = false;
   const Answer<void> stored = parts_.store.change([&]() -> Answer<void> {
     const auto plan = parts_.plans.table().find(id);
@@ -231,13 +229,13 @@ void JobRepository::plan_ended_some(const std::string& id) {
     left_over_.erase(id);
   else
     left_over_.insert(id);
-  // The rest in another turn, so that a running cut does not wait long for its record.
-  if (stored && more) parts_.post([this, id] { plan_ended_some(id); });
+  // Update the rest in another turn, so that a running cut does not wait long.
+  if (stored && more) parts_.post([this, id] { plan_ended(id); });
 }
 
 void JobRepository::catch_up() {
   const std::set<std::string> plans = left_over_;
-  for (const std::string& plan : plans) plan_ended_some(plan);
+  for (const std::string& plan : plans) plan_ended(plan);
 }
 
 Answer<JobRow> JobRepository::row(const std::string& id) {
@@ -259,7 +257,7 @@ void JobRepository::set_attention(JobRow& row, const std::string& kind,
   row.attention_since = kind.empty() ? 0 : parts_.store.now();
 }
 
-// What a person must load into the cutter.
+// What a person must load into the cutter for the current sheet.
 std::optional<LoadedSheet> JobRepository::load_of(const JobRow& row) {
   const auto sheet = current_sheet(row);
   const auto plan = parts_.plans.table().find(row.plan);
@@ -369,7 +367,8 @@ void JobRepository::finish_sheet(JobRow& row, const std::string& sheet_state,
     ++row.sheet;
     row.blank = row.segment = 1;
     row.first_stroke = 0;
-    // If the database went back to an earlier state, it may know a START of this later sheet.
+    // If the database went back to an earlier state, and a journal restored a START of this sheet,
+    // it may be cut already.
     if (const auto begun = attempts_.last_begun(row.id, row.sheet)) {
       row.blank = begun->blank;
       row.segment = begun->segment;

@@ -25,7 +25,8 @@ struct LiveCut {
   double seconds_left{-1};         ///< of the sheet; below 0: not known yet
 };
 
-/// The jobs as rows, and their changes. Actions at a cutter are in `CutDispatcher`.
+/// The rows of jobs, and the requests that change them. Requests at a cutter are in
+/// `CutDispatcher`.
 class JobRepository : public Jobs {
  public:
   struct Parts {
@@ -42,7 +43,7 @@ class JobRepository : public Jobs {
         attempts_(parts_.store.db(), parts_.store.node()) {}
 
   Answer<Job> create(const Principal& who, const JobCreate& request) override;
-  /// A job that cuts the test shape of a material; an empty material is the usual one.
+  /// Creates a job that cuts the test shape of a material; empty: of the default material.
   [[nodiscard]] Answer<Job> create_test(const Principal& who, const std::string& device,
                                         const std::string& material);
   Answer<Page<Job>> list(const JobFilter& filter, const PageRequest& request) override;
@@ -64,36 +65,41 @@ class JobRepository : public Jobs {
   Answer<Job> hold(const Principal& who, const std::string& id, bool held) override;
   Answer<Job> move(const Principal& who, const std::string& id, const std::string& before) override;
 
-  /// Shows some of the jobs of a plan, at most 200, as being planned.
+  /// Sets jobs of a plan to "planning". At most 200 of them, so that the turn is short.
   void plan_begun(const std::string& plan);
   /// Publishes the progress of a plan for each of its jobs; nothing is stored.
   void plan_progressed(const std::string& plan, const PlanningPhase& phase);
-  /// Updates all jobs of a plan that is over; many of them in several turns.
+  /// Updates all jobs of a plan that is made or has failed. Many jobs take several turns.
   void plan_ended(const std::string& plan);
-  /// Updates queued jobs whose plan is over. The popcutd that made it ended before it could do so.
+  /// Calls `plan_ended` for each plan that is made or has failed and still has queued jobs, because
+  /// popcutd ended in between.
   void plans_ended_before();
-  /// Repeats updates that could not be stored.
+  /// Repeats the updates of `plan_ended` that could not be stored.
   void catch_up();
 
   // For classes that change jobs, in a transaction.
   [[nodiscard]] JobTable& table() { return jobs_; }
   [[nodiscard]] AttemptTable& attempts() { return attempts_; }
   [[nodiscard]] Answer<JobRow> row(const std::string& id);
-  /// Moves the job by one step. Writes the row, the sheet's row and an event.
+  /// Changes the state of the job by a step. Stores the row, the row of the sheet and an event.
   void apply(JobRow& row, Step step, const std::string& reason);
-  /// Like `take`. In a fleet, if a person asked to cancel, the job becomes cancelled instead.
+  /// Like `apply`. But if a person in a fleet asked to cancel a job that would be interrupted or
+  /// ready, the job becomes cancelled.
   void apply_or_cancel(JobRow& row, Step step, const std::string& reason);
-  /// Deletes the arm of a job. The row still needs its step.
+  /// Deletes the arm of a job. Call `apply` for its row, too.
   void disarm(const std::string& job);
-  /// Writes the row without a step, with its event.
+  /// Stores the row and an event, without a step.
   void save(JobRow& row);
-  /// The current sheet is over ("done" or "skipped"): the next one, or the end.
+  /// Ends the current sheet ("done" or "skipped"). Then the job is ready for the next sheet, or
+  /// done.
   void finish_sheet(JobRow& row, const std::string& sheet_state, const std::string& reason);
   void set_attention(JobRow& row, const std::string& kind, const std::string& text) const;
-  /// Counts in `row` the strokes of a blank that are certain, and those that may have been cut.
+  /// Sets the counts of `row`: the strokes of a blank that are certainly cut, and those that may
+  /// be.
   void count_paths(JobRow& row, int sheet, int blank, std::int64_t strokes);
 
   [[nodiscard]] static JobFacts facts_of(const JobRow& row);
+  /// The job as the API shows it.
   [[nodiscard]] Job shown(const JobRow& row) const;
   /// 409 with the state and the allowed actions.
   [[nodiscard]] static Problem conflict(const JobRow& row, std::string detail);
@@ -103,7 +109,8 @@ class JobRepository : public Jobs {
   /// 412 unless `if_match` is the job's revision.
   [[nodiscard]] static Answer<void> check_rev(const JobRow& row, std::int64_t if_match);
 
-  /// The sheet of the plan for sheet `k` of the job: copies repeat the plan's sheets.
+  /// The number of the plan's sheet that sheet `k` of the job repeats: each copy has all sheets of
+  /// the plan.
   [[nodiscard]] static int plan_sheet(const JobRow& row, int k, int plan_sheets) {
     return row.sheets_total == 0 || plan_sheets == 0 ? 0 : (k - 1) % plan_sheets + 1;
   }
@@ -114,7 +121,7 @@ class JobRepository : public Jobs {
   /// New warnings about changed tables. Empty unless the job is ready. Accepted warnings are left
   /// out.
   [[nodiscard]] std::vector<Warning> changed_since_planned(const JobRow& row) const;
-  /// Whether nothing of the job was cut.
+  /// Whether the job can get another plan: nothing of it was cut.
   [[nodiscard]] bool may_plan_again(const JobRow& row);
   [[nodiscard]] Answer<void> plan_again(const Principal& who, JobRow& row, const JobPatch& request);
   /// `JobRow::load` of the current sheet.
@@ -124,11 +131,12 @@ class JobRepository : public Jobs {
   std::function<const LiveCut*(const std::string& job)> live{};
   /// Complete requests that are possible now.
   std::function<std::vector<NextAction>(const JobRow&)> next_actions{};
-  /// The same, each with the id of the job, for a problem about another job.
+  /// The same, but each with the id of the job. Use this in a problem that may be about another
+  /// job.
   [[nodiscard]] std::vector<NextAction> next_actions_of(const JobRow& row) const;
-  /// Called after a commit that disarmed a job.
+  /// Called after the commit of `disarm`.
   std::function<void(const std::string& job)> disarmed{};
-  /// For how long the arm of a job still holds; nothing if it was not armed at this node.
+  /// How long START is still possible; nothing if the job was not armed at this node.
   std::function<std::optional<std::int64_t>(const std::string& job)> arm_left_ms{};
   /// Whether the sheet with which a job continues is still where it was registered.
   std::function<bool(const JobRow&)> knows_place{};
@@ -146,7 +154,6 @@ class JobRepository : public Jobs {
   [[nodiscard]] Answer<void> check(const JobCreate& request) const;
   [[nodiscard]] Answer<void> check_site(const JobRow& row, const JobPatch& request) const;
   void apply_plan(JobRow& row, const PlanRow& plan);
-  void plan_ended_some(const std::string& plan);
   std::set<std::string> left_over_{};  ///< plans whose jobs could not be updated
   void end_job(JobRow& row) const;
   void put_sheet(const JobRow& row, std::string_view state, std::optional<TimeMs> finished = {});

@@ -52,7 +52,7 @@ Answer<void> JobRepository::plan_again(const Principal& who, JobRow& row, const 
         "sheets of this job were cut already, so it keeps its plan; create a new job for the "
         "other cutter");
   const std::string device = request.device.value_or(row.requested_device);
-  // The plan is for the owner of the job, whoever asks.
+  // The owner of the job waits for the plan, even if an operator requests it.
   Principal owner = who;
   owner.name = row.owner;
   const Answer<PlanRow> plan =

@@ -96,14 +96,15 @@ std::optional<TimeMs> JobRepository::armed_until(const JobRow& row) const {
   const auto arm = const_cast<JobRepository*>(this)->attempts_.armed(row.id);
   if (!arm) return std::nullopt;
   const TimeMs until = arm->armed + parts_.options.arm_s * 1000;
-  // The arm expires by the monotonic clock. The two times differ only if the wall clock was set.
+  // The arm expires by the monotonic clock. `until` is by the wall clock, and is wrong if that was
+  // set since.
   const bool is_here = arm_left_ms && arm->node == parts_.store.node().name;
   const auto left_ms = is_here ? arm_left_ms(row.id) : std::nullopt;
   const TimeMs here = parts_.store.now() + left_ms.value_or(0);
   return left_ms && std::abs(here - until) > kClocksDiffer_ms ? here : until;
 }
 
-// The stored warnings, and those that depend on the present devices.
+// The stored warnings, and those about the devices that are there now.
 std::vector<Warning> JobRepository::warnings_of(const JobRow& row) const {
   std::vector<Warning> all = row.warnings;
   if (!row.site.empty() && !is_terminal(row.state) && !parts_.devices.has_site(row.site))
@@ -120,7 +121,7 @@ std::vector<Warning> JobRepository::changed_since_planned(const JobRow& row) con
   const auto plan = plans.table().find(row.plan);
   if (!plan) return {};
   std::vector<Warning> all = plans.changed_since(*plan);
-  // An accepted one is kept with the job.
+  // A warning that a person accepted is in the job's row.
   std::erase_if(all, [&](const Warning& one) {
     return std::any_of(row.warnings.begin(), row.warnings.end(), [&](const Warning& known) {
       return known.code == one.code && known.message == one.message;
@@ -196,7 +197,7 @@ Answer<Page<Job>> JobRepository::list(const JobFilter& filter, const PageRequest
 }
 
 Answer<Page<Job>> JobRepository::queue(const std::string& device, const PageRequest& request) {
-  constexpr int kMostRead = 2000;  // rows for one request, fitting or not
+  constexpr int kMostRead = 2000;  // rows that one request reads
   std::optional<QueuePlace> after;
   if (!request.cursor.empty()) {
     after = queue_place_from(request.cursor);
@@ -204,7 +205,7 @@ Answer<Page<Job>> JobRepository::queue(const std::string& device, const PageRequ
   }
   return parts_.store.read([&]() -> Answer<Page<Job>> {
     Page<Job> page;
-    std::map<std::string, bool> fits;  // by plan: many jobs share one
+    std::map<std::string, bool> fits;  // by plan, because many jobs share a plan
     const auto fitting = [&](const JobRow& row) {
       if (device.empty() || !row.device.empty()) return true;
       if (!parts_.devices.wrong_site(device, row.site).empty()) return false;

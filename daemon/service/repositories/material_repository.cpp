@@ -35,7 +35,7 @@ Problem stale(std::int64_t rev) {
   return problem;
 }
 
-// The whole row, if it describes a material.
+// The complete row, if `json` describes a material.
 Answer<std::string> checked_row(const std::string& id, const std::string& json,
                                 const std::vector<std::string>& tables) {
   auto parsed = parse_json(json, 32);
@@ -68,20 +68,23 @@ Answer<std::string> checked_row(const std::string& id, const std::string& json,
 
 }  // namespace
 
+void MaterialRepository::load_tables() {
+  if (loaded_) return;
+  materials_ = rows_of("materials", kMaterialsJson, options_.tables);
+  machines_ = rows_of("machines", kMachinesJson, options_.tables);
+  if (const auto found = table_rows("svg_profiles", kSvgProfilesJson, options_.tables))
+    for (const TableRow& row : *found)
+      if (row.table >= 0) profiles_[row.name] = row.row.dump();
+  loaded_ = true;
+}
+
 const std::map<std::string, std::string>& MaterialRepository::materials() {
-  if (!loaded_) {
-    materials_ = rows_of("materials", kMaterialsJson, options_.tables);
-    machines_ = rows_of("machines", kMachinesJson, options_.tables);
-    if (const auto found = table_rows("svg_profiles", kSvgProfilesJson, options_.tables))
-      for (const TableRow& row : *found)
-        if (row.table >= 0) profiles_[row.name] = row.row.dump();
-    loaded_ = true;
-  }
+  load_tables();
   return materials_;
 }
 
-// A deleted row stays with an empty `json`: its revision must not come again, or an old ETag would
-// fit a new row.
+// A deleted row stays with an empty `json`, so that its revisions are not used again. Otherwise an
+// old ETag would match a new row.
 std::optional<MaterialRecord> MaterialRepository::stored(const std::string& id) {
   Rows rows = store_.db().rows("SELECT rev, json FROM material WHERE id=? AND json!=''", id);
   if (!rows.next()) return std::nullopt;
@@ -156,13 +159,13 @@ Answer<void> MaterialRepository::remove(const Principal& who, const std::string&
 }
 
 std::string MaterialRepository::profile_row(const std::string& name) {
-  materials();
+  load_tables();
   const auto found = profiles_.find(name);
   return found == profiles_.end() ? std::string() : found->second;
 }
 
 Answer<std::string> MaterialRepository::machine_row(const std::string& name) {
-  materials();
+  load_tables();
   const auto found = machines_.find(name);
   if (found != machines_.end()) return found->second;
   const std::string advice = suggestion(name, names_of(machines_));

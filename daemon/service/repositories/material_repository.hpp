@@ -14,9 +14,8 @@ namespace popcut::daemon {
 /// The material if a request names none.
 inline constexpr const char* kUsualMaterial = "paper-220";
 
-/// The tables of materials, machines and SVG profiles: the built-in ones, users' own, and the
-/// materials that were put into the store. Rows are whole: what a row inherits by "like" is filled
-/// in.
+/// The tables of materials, machines and SVG profiles: the built-in ones, users' own, and materials
+/// that were added by a request. Rows are complete: what a row inherits by "like" is filled in.
 class MaterialRepository : public Materials {
  public:
   MaterialRepository(ServiceStore& store, const ServiceOptions& options)
@@ -33,6 +32,9 @@ class MaterialRepository : public Materials {
   [[nodiscard]] std::string profile_row(const std::string& name);
 
  private:
+  /// Reads the built-in tables and users' tables, once.
+  void load_tables();
+  /// The materials of these tables.
   const std::map<std::string, std::string>& materials();
   [[nodiscard]] std::optional<MaterialRecord> stored(const std::string& id);
   ServiceStore& store_;

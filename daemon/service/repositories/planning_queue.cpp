@@ -36,7 +36,7 @@ Answer<void> check_planned(const std::optional<Row>& plan, const std::string& id
 constexpr const char* kUsualMachine = "cameo3";
 constexpr std::size_t kMostHurried = 1000;
 constexpr std::size_t kMostWarnings = 200, kLongestWarning = 1000;
-// How many plans of an owner are read to find one that is not being made already.
+// How many plans of a principal are read to find one that is not being made already.
 constexpr int kLooked = 8;
 // An option that popcutd adds to those of a plan: the row of its SVG profile at that time.
 constexpr const char* kProfileRow = "svg-profile-row";
@@ -76,13 +76,14 @@ PlanRecord record_of(const PlanRow& row, std::vector<SheetPlan> sheets) {
           .handwork = row.handwork};
 }
 
-// Writes the files of a plan, before the plan is announced. Runs on a thread of the planner.
+// Writes the files of a plan to the disk. The plan is stored after that, so that whoever sees the
+// plan finds its files. Runs on a thread of the planner.
 Result<PlanningOutcome> with_files_kept(Result<PlanningOutcome> outcome, const std::string& folder,
                                         SharedFiles& shared, const std::string& plan) {
   if (!outcome) return outcome;
   std::vector<std::pair<std::string, std::string_view>> files;
   for (const PlanningFile& file : outcome->files) files.emplace_back(file.name, file.bytes);
-  // The digest is that of the written bytes, whatever the worker says.
+  // Compute the digest of the bytes that are written. What the worker reports does not count.
   for (SheetPlan& sheet : outcome->sheets) {
     const auto index = std::find_if(
         outcome->files.begin(), outcome->files.end(),
@@ -202,7 +203,7 @@ Answer<MaterialRecord> PlanningQueue::material_named(const std::string& name) {
 
 Answer<PlanRecord> PlanningQueue::request(const Principal& who, const PlanRequest& request) {
   if (who.role < Role::Submitter)
-    return refuse(ProblemKind::Forbidden, "only a submitter may plan designs");
+    return refuse(ProblemKind::Forbidden, "planning a design requires the role submitter");
   return parts_.store.change([&]() -> Answer<PlanRecord> {
     if (const auto room = parts_.store.accepts_work(); !room) return tl::unexpected(room.error());
     const Answer<PlanRow> plan = plan_for(who, request);
@@ -217,7 +218,7 @@ Answer<PlanRecord> PlanningQueue::request(const Principal& who, const PlanReques
 }
 
 Answer<PlanRow> PlanningQueue::plan_for(const Principal& who, const PlanRequest& request) {
-  // Here, because the file says which material the design is for.
+  // Fetch the file, because a spec may name its material.
   const Answer<Design> design = parts_.designs.find_and_fetch(request.design);
   if (!design) {
     if (design.error().kind != ProblemKind::NotFound) return tl::unexpected(design.error());
@@ -389,7 +390,7 @@ std::string PlanningQueue::next_of(const std::string& owner) {
   return {};
 }
 
-// Owners take turns, however many plans one of them has queued.
+// Principals take turns, however many plans one of them waits for.
 std::string PlanningQueue::next() {
   const std::string first = turn_of_;
   for (bool wrapped = false;;) {
@@ -404,7 +405,7 @@ std::string PlanningQueue::next() {
       turn_of_.clear();
     }
   }
-  // Plans for which nobody is known to wait: salvage restored them.
+  // Last, plans for which nobody waits. They come from a salvaged database.
   for (const std::string& id : plans_.pending(static_cast<int>(running_.size()) + 1))
     if (!running_.contains(id)) return id;
   return {};
@@ -470,8 +471,7 @@ Begun PlanningQueue::start(const std::string& id) {
   }
   fill_in(task, *plan);
   if (const auto owner = parts_.designs.owners().first(Owned::Plan, id)) task.who = owner->owner;
-  // Claim it before it begins. If popcutd dies of it, the next start knows; and no other node
-  // begins it.
+  // Claim the plan first: this counts how often it was begun, and no other node begins it.
   bool is_mine = false;
   const Answer<void> noted = parts_.store.change([&]() -> Answer<void> {
     is_mine = plans_.claim(id, parts_.store.node());
@@ -514,7 +514,7 @@ void PlanningQueue::task_ended(const std::string& id, Result<PlanningOutcome> ou
   }
   if (!outcome && outcome.error().kind == ErrorKind::Unwritable) {
     running_.erase(id);
-    // It stays pending, and is made again when there is space.
+    // The disk is full. The plan stays pending, and is made again when there is space.
     release(id);
     parts_.store.note_full();
     parts_.store.log(message(outcome.error()));
@@ -541,8 +541,9 @@ void PlanningQueue::task_ended(const std::string& id, Result<PlanningOutcome> ou
   store_sheets(id, std::make_shared<PlanningOutcome>(std::move(*outcome)), 0);
 }
 
-// Stores a part of the sheets in each turn. The last part makes the plan complete. What cannot be
-// stored now is kept for the next `pump`, because it took long to make.
+// Stores a part of the sheets in each turn. With the last part the plan is made. If a part cannot
+// be stored, the next `pump` begins with the first part again, because the sheets took long to
+// make.
 void PlanningQueue::store_sheets(const std::string& id,
                                  const std::shared_ptr<PlanningOutcome>& made, std::size_t from) {
   name_turn("plan ended");
@@ -645,7 +646,7 @@ Answer<void> PlanningQueue::remove(const Principal& who, const std::string& id) 
     if (is_mine) {
       owners.remove(Owned::Plan, id, who.name);
       plans_.unask(id, who.name);
-      // It belongs to others, too, or to the record of their job.
+      // Others own the plan too, or a job of theirs refers to it.
       if (is_owned(id) || !check_jobs(id, "")) return {};
     }
     store.emit("notice", "", JsonObject().text("plan", id).text("state", "removed"));
@@ -659,7 +660,7 @@ void PlanningQueue::remove_unowned(const std::string& design) {
     parts_.store.after_commit([this, design] { remove_more_of(design); });
 }
 
-// Removes a few plans with few sheets in all. True: there are no more.
+// Removes a few plans, and not too many sheets, so that the turn is short. True if none is left.
 bool PlanningQueue::remove_some_of(const std::string& design) {
   constexpr int kPlansRemoved = 50, kSheetsRemoved = 2000;  // in one transaction
   std::vector<std::string> ids;
@@ -699,7 +700,7 @@ void PlanningQueue::delete_plan(const std::string& id) {
   parts_.store.after_commit([this, id] {
     requested_.erase(id);
     std::erase_if(hurried_, [&](const Hurried& one) { return one.plan == id; });
-    // If the planner still makes it, its files are removed at the end.
+    // If the planner still makes it, `task_ended` removes its files.
     if (const auto found = running_.find(id); found != running_.end())
       parts_.planner.cancel(found->second);
     else
@@ -716,8 +717,9 @@ bool PlanningQueue::is_removed(const std::string& id) {
   }
 }
 
-// `requested_` is lost with a restart, and another node of a fleet does not have it. But whoever
-// asked for a plan and has no job of it requested the plan itself.
+// After a restart and at other nodes, `requested_` does not have the plan. So this also counts a
+// principal who waits for the plan and has no job with it: they must have requested the plan
+// itself.
 bool PlanningQueue::is_awaited(const std::string& plan) {
   return requested_.contains(plan) ||
          parts_.store.db().number(
@@ -784,7 +786,7 @@ Answer<PreviewTask> PlanningQueue::artwork_task(const Principal& who, const std:
   if (!design) return tl::unexpected(design.error());
   if (design->kind != "spec")
     return refuse(ProblemKind::NotFound,
-                  "artwork is laid on the design of a spec, and this plan is of a drawing");
+                  "only plans of specs have artwork; this plan is of a drawing");
   PreviewTask task{task_of(*plan, *design, PlanningTask::Kind::Artwork), who.name};
   if (!wanted.model.empty()) {
     Answer<std::string> place = parts_.designs.asset_path(wanted.model);

@@ -23,12 +23,14 @@ enum class Begun : std::uint8_t {
   Later,  ///< nothing can begin now: a file is on its way, or nothing can be stored
 };
 
-/// If popcutd died so often while it made a plan or a search, this may be the cause.
+/// A plan or search fails after it was begun so often, because popcutd ended each time before it
+/// was made. It may be what ends popcutd.
 [[nodiscard]] constexpr int most_begun(bool in_fleet) { return in_fleet ? 3 : 10; }
 
-/// Plans. The same design and options are planned once. A few plans are made at a time; those who
-/// wait take turns, and each gets plans in the order of the queue. Waiting plans are in the store
-/// only, and those that the planner makes also in memory.
+/// Plans. The same design with the same options is planned once. A few plans are made at the same
+/// time. The principals who wait take turns, and each gets the plans of their jobs in the order of
+/// the queue. Only the store knows the plans that wait; this class knows those that the planner
+/// makes.
 class PlanningQueue : public Plans {
  public:
   struct Parts {
@@ -69,21 +71,23 @@ class PlanningQueue : public Plans {
   [[nodiscard]] Answer<PlanRow> test_plan_for(const Principal& who, const std::string& device,
                                               const std::string& material,
                                               const std::string& site = {});
-  /// Notes, in a transaction, that `who` asked for a plan, and waits for it if it is not made yet.
-  /// They own it from now on, and its design.
+  /// Makes `who` an owner of a plan and of its design, in a transaction. If the plan is not made
+  /// yet, `who` waits for it.
   ///
   /// @retval QueueFull  `who` waits for too many plans
   [[nodiscard]] Answer<void> add_waiting(const Principal& who, const PlanRow& plan);
   /// Puts the plan before those for which only jobs of `owner` wait.
   void hurry(const std::string& plan, const std::string& owner);
-  /// Gives the planner as many plans as it accepts.
+  /// Starts plans until `plans_at_once` of them are being made. First stores results and releases
+  /// plans where that failed before.
   void pump();
   /// Warnings for a machine or material that changed after planning. Such a change can spoil a cut.
   [[nodiscard]] std::vector<Warning> changed_since(const PlanRow& plan);
-  /// Cancels a plan that no job waits for, unless a person requested the plan itself.
+  /// Cancels a plan that is being made, unless a job waits for it or a person requested the plan
+  /// itself.
   void cancel_if_unwanted(const std::string& plan);
-  /// Removes the plans of a design that no job uses and nobody owns, in the transaction that
-  /// removes the design or one of its owners.
+  /// Removes the plans of a design that no job uses and nobody owns. Call this in the transaction
+  /// that removes the design or one of its owners. Many plans take several turns.
   void remove_unowned(const std::string& design);
   void stop() { stopped_ = true; }
 
@@ -117,7 +121,8 @@ class PlanningQueue : public Plans {
   struct Hurried {
     std::string plan, owner;
   };
-  /// The rows of a request, and its options with the row of its profile.
+  /// The plan that a request describes, with the rows of its material, machine and SVG profile. It
+  /// has no id and no key, and is not stored.
   [[nodiscard]] Answer<PlanRow> rows_of(const PlanRequest& request, const Design& design,
                                         const MaterialRecord& material, const MachineRow& machine);
   [[nodiscard]] Answer<MaterialRecord> material_of(const PlanRequest& request,
@@ -147,19 +152,19 @@ class PlanningQueue : public Plans {
   [[nodiscard]] bool fail_plan(const std::string& id, const std::string& why);
   [[nodiscard]] bool is_owned(const PlanRow& plan, const std::string& owner);
   [[nodiscard]] bool is_owned(const std::string& plan);
-  /// The job of `owner`, or of anybody if that is empty, that keeps a plan from being removed.
+  /// Refuses if a job of `owner` uses the plan. If `owner` is empty, a job of anybody.
   [[nodiscard]] Answer<void> check_jobs(const std::string& plan, const std::string& owner);
   void delete_plan(const std::string& id);
   [[nodiscard]] bool is_removed(const std::string& id);
 
   Parts parts_;
   PlanTable plans_;
-  std::map<std::string, std::uint64_t> running_;  ///< task of the planner by plan
+  std::map<std::string, std::uint64_t> running_;  ///< by plan: the planner's number of its task
   std::deque<Hurried> hurried_;
   std::string turn_of_{};             ///< the owner who had the last turn
-  std::set<std::string> requested_;   ///< plans that a person requested, not a job
+  std::set<std::string> requested_;   ///< plans that a person requested without a job
   std::set<std::string> to_release_;  ///< plans that `release` could not release yet
-  /// What was made of plans that could not be stored yet.
+  /// By plan: what the planner made, if it could not be stored yet.
   std::map<std::string, std::shared_ptr<PlanningOutcome>> unstored_{};
   bool stopped_{false};
 };

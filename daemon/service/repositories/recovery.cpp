@@ -11,8 +11,8 @@
 namespace popcut::daemon {
 namespace {
 
-// How long journals are kept in a fleet. Before somebody restores an older copy of the database,
-// they must look at the cutters.
+// How long journals are kept in a fleet. If somebody restores an older copy of the database than
+// that, they must look at the cutters themselves.
 constexpr std::int64_t kJournals_ms = 30LL * 86'400'000;
 
 std::string crash_text(const std::string& job, const std::string& loss) {
@@ -21,7 +21,7 @@ std::string crash_text(const std::string& job, const std::string& loss) {
       loss.empty() ? loss : fmt::format(" ({})", loss));
 }
 
-// A loss that begins with "the database" repeats the first part of this text.
+// A loss that begins with "the database" would only repeat the first part of this text.
 std::string forgotten_text(const std::string& job, const std::string& loss) {
   return fmt::format(
       "the database went back to before this sheet was started; look at the sheet: 'popcut jobs "
@@ -65,8 +65,8 @@ class Recovery {
  private:
   [[nodiscard]] bool is_cut(const std::string& attempt) const { return cuts_ && cuts_(attempt); }
 
-  // In a fleet a journal that does not fit must not prevent the report of all others, because other
-  // nodes wait for it.
+  // In a fleet a journal that contradicts the database must not stop the recovery, because nobody
+  // can arm until each node has compared its journals.
   void try_to_handle_trail(const std::string& attempt, const IntentTrail& trail) {
     if (!store_.in_fleet()) return handle_trail(attempt, trail);
     try {
@@ -84,8 +84,8 @@ class Recovery {
     }
   }
 
-  // Whether an attempt belongs to the state folder from which this one was copied. That folder may
-  // know more.
+  // Whether an attempt belongs to another state folder, of which this one is a copy. The journal in
+  // that folder may say more.
   [[nodiscard]] bool is_foreign(const std::string& invocation) const {
     return store_.in_fleet() && !invocation.starts_with(store_.node().mark());
   }
@@ -99,7 +99,7 @@ class Recovery {
             .witness = trail.witness};
   }
 
-  // Ends the attempts that are still open.
+  // Ends the attempts that the database calls open and that are not cut now.
   void close_attempts() {
     AttemptTable& attempts = jobs_.attempts();
     for (const AttemptRow& open : attempts.open()) {
@@ -125,10 +125,11 @@ class Recovery {
     }
   }
 
-  // In a fleet the database normally knows less than the journal, because marks reach it only when
-  // it answers. And a journal that was copied to another machine may know less than the original.
+  // In a fleet the database normally knows less than the journal, because it gets marks only when
+  // it answers. So that is no loss. But a copied journal may know less than the original.
   IntentVerdict verdict_of(const AttemptRow& attempt, const IntentTrail& trail) {
-    // The chunks of an attempt that another node called lost are not records of intents.
+    // If another node called the attempt lost, it put all other strokes in doubt. Only the certain
+    // ones are from this node.
     std::int64_t recorded = -1;
     if (attempt.end_kind != "lost")
       recorded = jobs_.attempts().last_recorded(attempt.id);
@@ -145,7 +146,8 @@ class Recovery {
     return verdict;
   }
 
-  // Another node called this attempt lost. The journal of this node knows more about it.
+  // Another node called this attempt lost and put all its strokes in doubt. Replaces that by what
+  // the journal of this node says.
   void use_own_journal(const AttemptRow& lost, const IntentTrail& trail) {
     const IntentVerdict verdict = verdict_of(lost, trail);
     jobs_.attempts().crash(lost, store_.now(), verdict.doubt_upto, verdict.loss);
@@ -159,8 +161,9 @@ class Recovery {
     jobs_.save(*row);
   }
 
-  // In a fleet journals are kept for a month, and each query takes time on the network. So those
-  // that the database knows are found by one query.
+  // Drops the journals whose attempts the database knows and nobody called lost. One query finds
+  // all of them, because a fleet keeps journals for a month, and each query takes time on the
+  // network.
   void note_known() {
     if (!store_.in_fleet()) return;
     std::vector<std::string> ids;
@@ -176,7 +179,8 @@ class Recovery {
     if (store_.in_fleet() && created < store_.now() - kJournals_ms) outlived_.push_back(attempt);
   }
 
-  // The journal of an attempt that has ended, or that the database does not know.
+  // Handles the journal of an attempt that has ended, or that the database does not know. The
+  // latter is restored if strokes may have been sent, and interrupts its job.
   void handle_trail(const std::string& attempt, const IntentTrail& trail) {
     if (const auto known = jobs_.attempts().find(attempt)) {
       if (known->end_kind == "lost") use_own_journal(*known, trail);
@@ -193,7 +197,7 @@ class Recovery {
     const IntentHead& head = *trail.head;
     IntentVerdict verdict =
         verdict_on(claims_of(trail, head.first_stroke, head.strokes, head.first_stroke - 1));
-    // Nothing was sent, since the START was never committed.
+    // No intent is recorded, so nothing was sent: the START was never committed.
     const bool goes_on = is_cut(attempt);
     if (!goes_on && verdict.doubt_upto < head.first_stroke) return empty_.push_back(attempt);
     const std::string lost = "the database does not know that this sheet was started",
@@ -213,8 +217,8 @@ class Recovery {
     JobRow& row = *found;
     Surfacing surfacing =
         surfacing_of(row.state, {row.sheet, row.blank}, row.sheets_total, {head.sheet, head.blank});
-    // The database knows a later part of this blank, or another node cuts this job now. The job
-    // keeps its state then, and this attempt only becomes part of its history.
+    // If the database knows a later part of this blank, or if another node cuts this job now, the
+    // job keeps its state, and the attempt only becomes a part of its history.
     const bool is_earlier = row.sheet == head.sheet && row.blank == head.blank &&
                             row.segment > std::max(1, head.segment);
     if (store_.in_fleet() && (is_earlier || is_cut_elsewhere(row)) &&
@@ -259,7 +263,7 @@ class Recovery {
     jobs_.count_paths(row, row.sheet, row.blank, head.strokes);
     const std::string from(name_of(row.state));
     jobs_.set_attention(row, "in_doubt", forgotten_text(row.id, beside));
-    // "lost": it is cut here, and `RunningCuts::reclaim` follows.
+    // If it is cut here now, call it lost: `RunningCuts::reclaim`, which follows, takes it back.
     jobs_.apply_or_cancel(row, step_of(row.state, JobEvent::IntentsSurface),
                           goes_on ? "lost" : "crash");
     note_recovered(row, from);
@@ -268,7 +272,7 @@ class Recovery {
   // Restores the attempt, with all strokes in doubt that may have been sent.
   void bring_back(const IntentHead& head, const IntentVerdict& verdict, const char* end_kind) {
     AttemptTable& attempts = jobs_.attempts();
-    bool started = true;  // only one start of a blank and segment may be on record
+    bool started = true;  // the database allows one start of a blank and segment
     for (const AttemptRow& other : attempts.of_sheet(head.job, head.sheet))
       if (other.blank == head.blank && other.segment == head.segment && other.started)
         started = false;
@@ -323,7 +327,8 @@ class Recovery {
     if (store_.in_fleet()) return restart_own(state);
     JobFilter filter;
     filter.states = {state};
-    // Each job leaves this state, so the next page begins at the start again.
+    // `list` looks at a part of the jobs and says where to continue. Jobs that were restarted left
+    // this state, so after a full page it finds the next ones from the beginning.
     std::string looked_to;
     for (;;) {
       const std::string after = looked_to;
@@ -333,8 +338,8 @@ class Recovery {
     }
   }
 
-  // The same for the jobs in the cutters of this node and those that it planned, but not for those
-  // that it cuts now.
+  // The same in a fleet: only for jobs in the cutters of this node and jobs whose plans it made,
+  // and not for jobs that it cuts now.
   void restart_own(JobState state) {
     const char* const sql =
         state == JobState::Planning
@@ -368,7 +373,7 @@ class Recovery {
     note_recovered(row, from);
   }
 
-  // Another node cuts it, or did not record the end yet.
+  // Whether another node cuts the job, or has not recorded the end yet.
   [[nodiscard]] bool is_cut_elsewhere(const JobRow& row) {
     return store_.db().number(
                "SELECT EXISTS(SELECT 1 FROM attempt WHERE job=? AND node!=? AND started_at IS NOT "
@@ -389,7 +394,7 @@ class Recovery {
 
 Answer<void> recover(ServiceStore& store, JobRepository& jobs, IntentJournals& intents,
                      const std::function<bool(const std::string& attempt)>& cuts) {
-  // On a full disk this runs twice, so nothing of the first time may remain.
+  // On a full disk this runs twice, so begin with a new object each time.
   std::unique_ptr<Recovery> recovery;
   return store.change([&]() -> Answer<void> {
     recovery = std::make_unique<Recovery>(store, jobs, intents, cuts);
@@ -445,7 +450,8 @@ CutStanding reconcile(ServiceStore& store, JobRepository& jobs, const std::strin
   if (!store.in_fleet()) return CutStanding::Current;
   const auto known = jobs.attempts().find(attempt);
   if (!known) return CutStanding::Superseded;
-  // The job takes the state of the knife, also if the database went back and forgot that state.
+  // Sets the job to cutting or paused, as the knife is. The database may have gone back to before
+  // the pause or the resume.
   const auto follow_knife = [&](JobRow& row) {
     if (held && row.state == JobState::Cutting)
       jobs.apply(row, step_of(row.state, JobEvent::CutHeld), "");
@@ -459,7 +465,7 @@ CutStanding reconcile(ServiceStore& store, JobRepository& jobs, const std::strin
   if (known->end_kind != "lost")
     return known->end_kind == "superseded" ? CutStanding::Superseded : CutStanding::Recorded;
   Answer<JobRow> row = jobs.row(known->job);
-  // If a person has judged the sheet, its reason is "result_bad", or the job has moved on.
+  // If a person has changed the job, it has another state, reason, sheet, blank or segment.
   const bool is_untouched = row && row->state == JobState::Interrupted && row->reason == "lost" &&
                             row->sheet == known->sheet && row->blank == known->blank &&
                             row->segment == known->segment;

@@ -10,17 +10,17 @@
 
 namespace popcut::daemon {
 
-/// Corrects the jobs that the last run left, in one transaction: cutting and paused jobs become
-/// interrupted, with strokes in doubt that may have been sent; armed jobs become ready; planning
-/// jobs become queued. Emits an event `recovered {from, to}` for each. In a fleet this concerns the
-/// cutters and plans of this node only.
+/// Corrects the jobs that the last run left, in one transaction. Cutting and paused jobs become
+/// interrupted, and their strokes that may have been sent are in doubt. Armed jobs become ready.
+/// Planning jobs become queued. Emits an event `recovered {from, to}` for each. In a fleet this
+/// changes only jobs in the cutters of this node, and jobs whose plans this node made.
 ///
 /// The database and the journals of intents beside it show which strokes may have been sent
 /// (`verdict_on`). If the database lost an attempt, its journal restores it and interrupts the job
 /// (`surfacing_of`). If the two disagree, an event `notice`, the log, the job's attention and the
 /// ledger's last status say so.
 ///
-/// @param cuts  whether this popcutd cuts that attempt now; such an attempt is not changed
+/// @param cuts  whether this popcutd cuts an attempt now; such an attempt is not changed
 [[nodiscard]] Answer<void> recover(
     ServiceStore& store, JobRepository& jobs, IntentJournals& intents,
     const std::function<bool(const std::string& attempt)>& cuts = {});
@@ -33,15 +33,18 @@ namespace popcut::daemon {
 [[nodiscard]] Answer<void> close_lost_node(ServiceStore& store, JobRepository& jobs,
                                            const std::string& node, std::int64_t epoch);
 
-/// Whether a cut of this node may still be recorded, after another node may have called it lost.
+/// How a cut of this node stands to its job. In a fleet another node may have called the cut lost,
+/// and a person may have changed the job since.
 enum class CutStanding : std::uint8_t {
-  Current,     ///< the job belongs to this cut, and is cutting again if it was called lost
-  Superseded,  ///< a person has decided otherwise: the end of the cut no longer changes the job
+  Current,     ///< the job is about this cut: record its end
+  Superseded,  ///< a person changed the job: the end of the cut must not change it
   Recorded,    ///< its end is recorded already
 };
-/// Makes the state of the job agree with its cut, in a transaction. Without a fleet it always does.
+/// Makes the state of the job agree with its cut, in a transaction. If another node called the cut
+/// lost and nobody changed the job since, the job is cutting again. Without a fleet there is
+/// nothing to do.
 ///
-/// @param held  whether the tool is up, because a person asked for a pause
+/// @param held  whether the tool is up, because a person requested a pause
 [[nodiscard]] CutStanding reconcile(ServiceStore& store, JobRepository& jobs,
                                     const std::string& attempt, bool held);
 

@@ -18,7 +18,7 @@ class UsageSum {
  public:
   UsageSum(Database& database, std::optional<TimeMs> from, std::optional<TimeMs> to,
            const std::string& by);
-  /// Adds up as many attempts more; true: all.
+  /// Adds up to `rows` more attempts. True if there are no more.
   ///
   /// @throws StoreFault
   [[nodiscard]] bool step(std::int64_t rows);

@@ -141,7 +141,7 @@ SearchRecord SearchRepository::record_of(const Principal& who, const Row& row) c
   SearchRecord record{
       .id = row.id, .owner = is_owned(row, who.name) ? who.name : row.owner, .state = row.state};
   const auto words = planning::read_search_words(row.words);
-  if (!words) throw StoreFault(FaultKind::Corrupt, "the words of a search are invalid");
+  if (!words) throw StoreFault(FaultKind::Corrupt, "the stored options of a search are invalid");
   record.request = *words;
   record.request.machine = row.machine, record.request.material = row.material;
   if (row.state == SearchState::Found && !row.front.empty()) {
@@ -164,7 +164,7 @@ SearchRecord SearchRepository::record_of(const Principal& who, const Row& row) c
 Answer<SearchRecord> SearchRepository::request(const Principal& who,
                                                const CardSearchRequest& request) {
   if (who.role < Role::Submitter)
-    return refuse(ProblemKind::Forbidden, "only a submitter may search for cards");
+    return refuse(ProblemKind::Forbidden, "a search for cards requires the role submitter");
   return parts_.store.change([&]() -> Answer<SearchRecord> {
     if (const auto room = parts_.store.accepts_work(); !room) return tl::unexpected(room.error());
     const Answer<Row> row = row_for(who, request);
@@ -347,7 +347,7 @@ Answer<void> SearchRepository::remove(const Principal& who, const std::string& i
   });
 }
 
-// Makes the longest-standing owner the main owner. Returns false if nobody owns it.
+// Makes the owner since the longest time the main owner. Returns false if nobody owns the search.
 bool SearchRepository::pass_to_next_owner(const std::string& id) {
   Database& db = parts_.store.db();
   const auto other = first_of(
@@ -380,7 +380,8 @@ void SearchRepository::delete_search(const std::string& id) {
   });
 }
 
-// Owners take turns. A pending search claimed by this node has an unrecorded end, so it runs again.
+// Owners take turns. If this node claimed a search that is not running, its end could not be
+// stored, so it runs again.
 std::string SearchRepository::next() {
   struct Waiting {
     std::string id, owner;
@@ -442,8 +443,7 @@ Begun SearchRepository::start(const std::string& id) {
     return finish(id, SearchState::Failed, "", "its model was deleted") ? Begun::Not : Begun::Later;
   if (!task) return Begun::Later;  // its model is being fetched; the next tick tries again
   bool is_mine = false;
-  // Claim it before it begins. If popcutd dies of it, the next start knows; and no other node
-  // begins it.
+  // Claim the search first: this counts how often it was begun, and no other node begins it.
   const Answer<void> noted = parts_.store.change([&]() -> Answer<void> {
     is_mine =
         parts_.store.db().run(
@@ -480,7 +480,7 @@ Begun SearchRepository::start(const std::string& id) {
 
 void SearchRepository::task_ended(const std::string& id, const Result<SearchFront>& found) {
   name_turn("search ended");
-  // What cannot be stored now is kept for the next `pump`, because it took long to find.
+  // If the result cannot be stored, the next `pump` tries again, because it took long to find.
   if (found && !finish(id, SearchState::Found, planning::front_text(*found), "")) {
     unstored_ = *found;
     return;
@@ -489,7 +489,7 @@ void SearchRepository::task_ended(const std::string& id, const Result<SearchFron
   const bool waits_for_room = !found && found.error().kind == ErrorKind::Unwritable;
   const bool is_stopping = !found && found.error().kind == ErrorKind::Refused;
   if (waits_for_room) {
-    // It stays pending, and is made again when there is space.
+    // The disk is full. The search stays pending, and runs again when there is space.
     parts_.store.note_full();
     parts_.store.log(message(found.error()));
   }
@@ -515,7 +515,7 @@ void SearchRepository::task_ended(const std::string& id, const Result<SearchFron
   pump();
 }
 
-// In a fleet another node may have got the search, because this one did not answer.
+// Changes nothing if another node has taken over the search, because this one did not answer.
 bool SearchRepository::finish(const std::string& id, SearchState state, const std::string& front,
                               const std::string& error) {
   const Answer<void> stored = parts_.store.change([&]() -> Answer<void> {

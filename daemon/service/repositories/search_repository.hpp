@@ -13,8 +13,8 @@
 
 namespace popcut::daemon {
 
-/// Searches for the best cards of a model. The same model and options are searched once. One search
-/// runs at a time; owners take turns. Waiting searches are in the store only.
+/// Searches for the best cards of a model. The same model with the same options is searched once.
+/// One search runs at a time, and owners take turns. Only the store knows the searches that wait.
 class SearchRepository : public Searches {
  public:
   struct Parts {
@@ -37,10 +37,10 @@ class SearchRepository : public Searches {
   void pick(const Principal& who, const std::string& id, int card, const std::string& name,
             std::function<void(Answer<Design>)> done) override;
 
-  /// Gives the planner the next search, unless it has one.
+  /// Starts the next search, unless one is running. First stores a result where that failed before.
   void pump();
-  /// Removes the searches of a model that nobody owns, in the transaction that removes the model or
-  /// one of its owners.
+  /// Removes the searches of a model that nobody owns. Call this in the transaction that removes
+  /// the model or one of its owners.
   void remove_unowned(const std::string& model);
   void stop() { stopped_ = true; }
 
@@ -92,7 +92,7 @@ class SearchRepository : public Searches {
 
   Parts parts_;
   std::optional<Running> running_{};
-  std::optional<SearchFront> unstored_{};  ///< what was found of it, and could not be stored yet
+  std::optional<SearchFront> unstored_{};  ///< what it found, if that could not be stored yet
   std::string turn_of_{};                  ///< whose search began last
   bool stopped_{false};
 };

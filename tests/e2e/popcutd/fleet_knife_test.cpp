@@ -221,7 +221,7 @@ TEST_CASE("nobody changes where an armed sheet begins, nor where a person let it
               .empty());
   fleet.run_sql("UPDATE popcut.job SET first_stroke=0");
   CHECK_THAT(refusal(fleet[1], job, "arm", sheet_1()),
-             Catch::Contains(fmt::format("a person asked here for path {}", from)));
+             Catch::Contains(fmt::format("path {} was requested last", from)));
   fleet.run_sql(fmt::format("UPDATE popcut.job SET first_stroke={}", from));
   CHECK(refusal(fleet[1], job, "arm", sheet_1()).empty());
 }
