@@ -431,6 +431,7 @@ void PlanningQueue::pump() {
   if (stopped_ || parts_.store.degraded() || parts_.store.full()) return;
   for (const auto& [id, made] : std::exchange(unstored_, {})) store_sheets(id, made, 0);
   for (const std::string& id : std::exchange(to_release_, {})) release(id);
+  for (const std::string& design : std::exchange(partly_removed_, {})) remove_more_of(design);
   try {
     while (running_.size() < static_cast<std::size_t>(parts_.options.plans_at_once)) {
       const std::string id = next();
@@ -689,7 +690,10 @@ void PlanningQueue::remove_more_of(const std::string& design) {
       all = remove_some_of(design);
       return {};
     });
-    if (removed && !all) remove_more_of(design);
+    if (!removed)
+      partly_removed_.insert(design);  // the next `pump` tries again
+    else if (!all)
+      remove_more_of(design);
   });
 }
 

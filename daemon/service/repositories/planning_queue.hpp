@@ -161,9 +161,10 @@ class PlanningQueue : public Plans {
   PlanTable plans_;
   std::map<std::string, std::uint64_t> running_;  ///< by plan: the planner's number of its task
   std::deque<Hurried> hurried_;
-  std::string turn_of_{};             ///< the owner who had the last turn
-  std::set<std::string> requested_;   ///< plans that a person requested without a job
-  std::set<std::string> to_release_;  ///< plans that `release` could not release yet
+  std::string turn_of_{};                 ///< the owner who had the last turn
+  std::set<std::string> requested_;       ///< plans that a person requested without a job
+  std::set<std::string> to_release_;      ///< plans that `release` could not release yet
+  std::set<std::string> partly_removed_;  ///< designs of which plans could not be removed yet
   /// By plan: what the planner made, if it could not be stored yet.
   std::map<std::string, std::shared_ptr<PlanningOutcome>> unstored_{};
   bool stopped_{false};

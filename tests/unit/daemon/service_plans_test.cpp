@@ -183,6 +183,46 @@ TEST_CASE("removing a design removes its plans", "[daemon][service]") {
   CHECK(bench.wait([&] { return fs::is_empty(bench.folder() + "/plans"); }));
 }
 
+TEST_CASE("plans of a removed design that cannot be removed at once are removed later",
+          "[alone][daemon][service]") {
+  ServiceBench bench;
+  const std::string design = bench.add_design("{\"card\":1}").value().id;
+  for (const char* const material : {"paper-220", "paper-160"}) {
+    const std::string id =
+        bench
+            .on([&](LiveService& s) {
+              return s.plans.request(bench.student, plan_request(design, material));
+            })
+            ->id;
+    REQUIRE(bench.wait([&] {
+      return bench.on([&](LiveService& s) { return s.plans.find(id); })->state ==
+             PlanState::Planned;
+    }));
+  }
+  const auto sql = [&](const char* text) {
+    bench.on([&](LiveService&) { bench.store().database().script(text); });
+  };
+  const auto plans = [&] {
+    return bench.on(
+        [&](LiveService&) { return bench.store().database().number("SELECT count(*) FROM plan"); });
+  };
+  // So many sheets that each plan has a turn of its own.
+  sql("UPDATE plan SET sheets=1500; CREATE TRIGGER keep_one BEFORE DELETE ON plan WHEN (SELECT "
+      "count(*) FROM plan)=1 BEGIN SELECT raise(ABORT, 'not now'); END");
+  REQUIRE(bench.on([&](LiveService& s) { return s.designs.remove(bench.student, design); }));
+  REQUIRE(bench.wait([&] {
+    return bench.thread()
+        .turns(ServiceThread::Lane::Asking)
+        .longest()
+        .contains("plans of a removed design");
+  }));
+  REQUIRE(plans() == 1);
+  sql("DROP TRIGGER keep_one");
+  bench.on([](LiveService& s) { s.tick(); });
+  CHECK(bench.wait([&] { return plans() == 0; }));
+  CHECK(bench.wait([&] { return fs::is_empty(bench.folder() + "/plans"); }));
+}
+
 TEST_CASE("an unknown option is refused at once with a suggestion", "[daemon][service]") {
   ServiceBench bench;
   const auto design = bench.add_design("{\"card\":1}").value();
