@@ -81,11 +81,10 @@ class Tokens : public Access {
   [[nodiscard]] std::optional<Principal> authenticate_session(const std::string& id,
                                                               std::string_view secret);
   [[nodiscard]] std::optional<Session> new_session(const Principal& who);
-  /// Stores a session that begins, in a transaction; nothing if its root has ended.
+  /// Stores a new session, in a transaction. Nothing if its root has ended.
   ///
-  /// @retval QueueFull  the principal has too many sessions, and each of them is one from which
-  /// this
-  ///                    one comes, so none can be deleted
+  /// @retval QueueFull  there are too many sessions, and this one comes from all of them, one from
+  ///                    another, so none can be deleted
   [[nodiscard]] Answer<std::optional<NewToken>> begin_session(const Principal& who,
                                                               const std::string& name,
                                                               std::optional<Role> most);
@@ -94,7 +93,7 @@ class Tokens : public Access {
   [[nodiscard]] static Answer<void> check_name(const std::string& name);
   [[nodiscard]] std::string new_code() const;
   void forget_late_pairings();
-  /// @return false  twenty tablets wait, no two of them at one place
+  /// @return false  twenty tablets wait, no two of them from one address
   [[nodiscard]] bool make_room_for_pairing(const std::string& place);
   void make_room_for_one_shot(const std::string& principal);
   [[nodiscard]] Answer<void> make_room_for_session(const std::string& principal,

@@ -46,7 +46,7 @@ class RunningCuts {
   /// From now on, a cut that was stopped gets the reason `shutdown`.
   void stopping() { is_stopping_ = true; }
   [[nodiscard]] bool is_stopping() const { return is_stopping_; }
-  /// Publishes progress again, and records what could not be recorded.
+  /// Publishes the last progress again, and tries again to record what could not be recorded.
   void tick();
 
   /// What is known of the cut of a job; nullptr if the job is not cut here.
@@ -60,7 +60,7 @@ class RunningCuts {
 
   // In a fleet.
 
-  /// Why nothing may be armed or started now; set by `FleetWatch`.
+  /// Refuses while nothing may be armed or started. `FleetWatch` sets this.
   std::function<Answer<void>()> may_cut = [] { return Answer<void>(); };
   /// Makes cuts that another node called lost the current cuts of their jobs again. Stops a cut if
   /// a person has changed its job since.

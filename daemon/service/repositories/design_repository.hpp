@@ -84,8 +84,8 @@ class DesignRepository : public Designs {
   [[nodiscard]] OwnershipTable& owners() { return owners_; }
   /// The material that a spec names; empty if it names none. Reads the file the first time.
   [[nodiscard]] std::string material_in_spec(const Design& design);
-  /// The row of a material as JSON, for an empty name that of the usual one; empty if there is no
-  /// such material.
+  /// The row of a material as JSON; empty if there is no such material. An empty name means the
+  /// default material.
   std::function<std::string(const std::string& name)> material_row{};
   /// Called in the transaction that removes a design, or one of its owners.
   std::function<void(const std::string& design)> owner_removed{};

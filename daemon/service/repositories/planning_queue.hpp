@@ -20,7 +20,7 @@ namespace popcut::daemon {
 enum class Begun : std::uint8_t {
   Yes,
   Not,    ///< this one did not begin; try another
-  Later,  ///< nothing can begin now: a file is on its way, or nothing can be stored
+  Later,  ///< nothing can begin now: a file is being fetched, or nothing can be stored
 };
 
 /// A plan or search fails after it was begun so often, because popcutd ended each time before it
@@ -76,7 +76,7 @@ class PlanningQueue : public Plans {
   ///
   /// @retval QueueFull  `who` waits for too many plans
   [[nodiscard]] Answer<void> add_waiting(const Principal& who, const PlanRow& plan);
-  /// Puts the plan before those for which only jobs of `owner` wait.
+  /// Among the plans of `owner`, puts this one before those for which only jobs wait.
   void hurry(const std::string& plan, const std::string& owner);
   /// Starts plans until `plans_at_once` of them are being made. First stores results and releases
   /// plans where that failed before.
