@@ -106,7 +106,7 @@ Result<std::array<double, 2>> envelope_mm(std::string_view asked, const ShutCard
   if (word == "fit") return least;
   std::array<double, 2> size{};
   const auto* const named = std::find_if(kNamed.begin(), kNamed.end(),
-                                  [&](const NamedSize& one) { return word == one.name; });
+                                         [&](const NamedSize& one) { return word == one.name; });
   if (named != kNamed.end()) {
     size = {named->wide_mm, named->high_mm};
   } else {

@@ -55,7 +55,7 @@ struct PyramidFan {
     double at = 0.0;
     for (std::size_t k = first; k <= last; ++k) {
       const bool is_end = k == 2 || k == 5;
-      rim.push_back((is_end ? end_mm : edge_mm) * Vec2{std::cos(at), std::sin(at)});
+      rim.emplace_back((is_end ? end_mm : edge_mm) * Vec2{std::cos(at), std::sin(at)});
       corners.push_back(k);
       at += k == 0 || k == 3 || k == 6 ? 2.0 * side_rad : end_rad;
     }
@@ -409,7 +409,7 @@ void build(Structure& card, const Seat& seat, const VFoldElement& e) {
     return Vec2{side * std::sin(panel_rad), std::cos(panel_rad)};
   };
   const Vec2 left = crease(e.left_panel_rad, -1.0), right = crease(e.right_panel_rad, 1.0);
-  const auto add_panel = [&](const std::vector<std::vector<Vec2>>& given, Vec2 along) {
+  const auto add_panel = [&](const std::vector<std::vector<Vec2>>& given, const Vec2& along) {
     for (const std::vector<Vec2>& outline : given) part.add_face(outline);
     const Vec2 up{0.0, e.ridge_mm};
     if (given.empty())
@@ -420,7 +420,7 @@ void build(Structure& card, const Seat& seat, const VFoldElement& e) {
   add_panel(e.right_outlines, right);
   // Faces of unlike outlines meet in the same stretches.
   for (const Vec2& at : std::vector<Vec2>(part.vertices)) part.add_corner(at);
-  const auto glue = [&](const std::vector<std::pair<double, double>>& given, Vec2 flat,
+  const auto glue = [&](const std::vector<std::pair<double, double>>& given, const Vec2& flat,
                         const SeatSide& side, double angle) {
     const double tabs = tab_depth_mm(card, e.crease_mm);
     const double apart = 2.0 * kPiRad - e.left_panel_rad - e.right_panel_rad;
@@ -587,7 +587,7 @@ void build(Structure& card, const Seat& seat, const BoxElement& e) {
                             {foot[k], foot[k + 1], foot[k] + up}));
     if (e.lid != BoxLid::None) out.push_back(lid_pose(e, frame));
     if (e.inner_mm > 0.0) {
-      const Vec3 middle = foot[5];
+      const Vec3& middle = foot[5];
       out.push_back({laid({Vec2{0.0, 0.0}, Vec2{length, 0.0}, Vec2{0.0, 1.0}},
                           {middle, at_y(middle, length), middle + up})});
     }
