@@ -359,7 +359,9 @@ test('a pause is shown in under 300 ms and paused by the key p on any view', asy
   answer();
   if (process.env.POPCUT_JUDGE_TIME) assert.ok(shown_ms < 300, `${shown_ms} ms`);
   await server.state(job.id, 'paused');
-  assert.equal(acts('pause').length, 1);
+  // Repeated until it is answered, always with one key.
+  assert.ok(acts('pause').length >= 1);
+  assert.equal(new Set(acts('pause').map((one) => one.headers['idempotency-key'])).size, 1);
   assert.equal(acts('pause')[0].headers['if-match'], '*');
 });
 

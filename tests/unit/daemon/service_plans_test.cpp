@@ -7,6 +7,7 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include "core/text/utf8.hpp"
 #include "tests/support/service_bench.hpp"
 
 namespace service_plans_test {
@@ -518,11 +519,15 @@ TEST_CASE("a cancelled plan is released though the store cannot say who waits fo
 
 TEST_CASE("a long name of a material in a spec is not repeated at length", "[daemon][service]") {
   ServiceBench bench;
-  const std::string name(100'000, 'x');
-  const Design design = bench.add_design(R"({"material":")" + name + R"("})").value();
-  const Answer<Job> refused = bench.create(design.id);
-  REQUIRE_FALSE(refused);
-  CHECK(refused.error().detail.size() < 1000);
+  for (const std::string before : {"", "x", "xx"}) {  // also where a character would be cut apart
+    std::string name = before;
+    for (int k = 0; k < 30'000; ++k) name += "\u20ac";
+    const Design design = bench.add_design(R"({"material":")" + name + R"("})").value();
+    const Answer<Job> refused = bench.create(design.id);
+    REQUIRE_FALSE(refused);
+    CHECK(refused.error().detail.size() < 1000);
+    CHECK(is_utf8(refused.error().detail));
+  }
 }
 
 TEST_CASE("a plan that cannot be stored at once is stored later and not made again",
