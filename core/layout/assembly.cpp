@@ -42,7 +42,8 @@ class Drawing {
         fmt::format("width=\"{2:.3f}mm\" height=\"{3:.3f}mm\" "
                     "viewBox=\"{0:.3f} {1:.3f} {2:.3f} {3:.3f}\" font-family=\"sans-serif\"",
                     box.x0 - text_, box.y0 - text_, width, height),
-        drawing_.name + ": how to glue the pieces together");
+        drawing_.name + (layout_.seams.empty() ? ": the pieces and their sheets"
+                                               : ": how to glue the pieces together"));
     out_ += fmt::format(
         "<rect x=\"{:.3f}\" y=\"{:.3f}\" width=\"{:.3f}\" height=\"{:.3f}\" "
         "fill=\"white\"/>\n",
@@ -150,6 +151,7 @@ class Drawing {
   void steps(const PagePoint& at) {
     const double x = at.x;
     double y = at.y;
+    if (layout_.seams.empty()) return text(x, y, 1.1 * text_, "start", "Pieces and their sheets");
     text(x, y, 1.1 * text_, "start", "Glue in this order");
     for (std::size_t k = 0; k < layout_.steps.size(); ++k) {
       std::string words;

@@ -311,12 +311,13 @@ std::vector<SheetPiece> make_pieces(std::vector<LineWork>& works, Laid& laid) {
   return pieces;
 }
 
-void name_seams(Layout& layout) {
+void name_seams(Layout& layout, std::size_t letters_taken) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> ids;
   for (SeamRun& run : layout.runs) {
     const auto key = std::minmax(run.lower, run.upper);
     const auto [at, fresh] = ids.try_emplace(key, static_cast<std::uint32_t>(layout.seams.size()));
-    if (fresh) layout.seams.push_back({key.first, key.second, 0.0, seam_label(at->second)});
+    if (fresh)
+      layout.seams.push_back({key.first, key.second, 0.0, seam_label(letters_taken + at->second)});
     run.seam = at->second;
     for (const SeamStretch& stretch : run.uncut)
       layout.seams[run.seam].glue_mm += stretch.to - stretch.from;
@@ -484,7 +485,7 @@ Result<Layout> finish(const LineWork& drawing, const LayoutOptions& options, Sea
   layout.pieces = make_pieces(works, laid);
   layout.runs = std::move(laid.runs);
   layout.tabs = std::move(laid.tabs);
-  name_seams(layout);
+  name_seams(layout, options.letters_taken);
   order_glueing(layout);
   if (options.labels) add_marks(layout, search.index(false), options.tabs.clearance_mm);
   if (auto put = put_on_sheets(layout, options); !put) return tl::unexpected(put.error());

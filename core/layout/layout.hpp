@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -25,7 +26,8 @@ struct LayoutOptions {
   double spacing_mm{5.0};         ///< between pieces on one sheet
   std::vector<double> seams_x{};  ///< requested seams, from the drawing's left (or top) edge
   std::vector<double> seams_y{};
-  bool labels{true};  ///< ticks and letters on both sides of each seam
+  bool labels{true};            ///< ticks and letters on both sides of each seam
+  std::size_t letters_taken{};  ///< by tabs of the drawing: the first seam has the next letter
 };
 
 /// A straight part of a seam between two pieces, in drawing mm.

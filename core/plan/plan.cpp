@@ -336,6 +336,7 @@ class Planner {
     how.seams_x = options_.seams_x;
     how.seams_y = options_.seams_y;
     how.labels = options_.labels != LabelTool::None;
+    how.letters_taken = options_.letters_taken;
     auto layout = lay_out(work, how);
     if (!layout) return tl::unexpected(layout.error());
     const bool pen = out_.material.draw.tool <= out_.machine.tool_holders;

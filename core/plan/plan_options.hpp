@@ -79,7 +79,8 @@ struct PlanOptions {
   bool no_split{false};                      ///< a drawing that is too large is refused
   std::vector<double> seams_x{}, seams_y{};  ///< seams that were asked for, drawing mm
   LabelTool labels{LabelTool::Auto};
-  bool marks{false};  ///< the sheet is printed with registration marks
+  std::size_t letters_taken{};  ///< by the tabs of a card of parts: seams have the next ones
+  bool marks{false};            ///< the sheet is printed with registration marks
   MarkForm mark_form{MarkForm::Arm};
   /// In place of the machine's `MarkSearch`: left and top; empty: the machine's.
   std::vector<double> mark_start{}, mark_again{};

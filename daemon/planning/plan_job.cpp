@@ -299,6 +299,7 @@ Result<PlanJob> make_plan_job(const PlanOptions& options, const std::vector<std:
                      input->seams_x.size() + 1)});
   PlanOptions how = options;
   how.seams_x.insert(how.seams_x.end(), input->seams_x.begin(), input->seams_x.end());
+  how.letters_taken = input->tabs;
   how.tells_doubles = !input->material;  // a design is made for the knife
   how.keep_lines = options.keep_lines || options.svg_profile == "origami-sim";
   if (!how.place.at) {

@@ -188,7 +188,8 @@ void say_blade(const PlanJob& job, const PlanArguments& arguments) {
              job.plan.material.autoblade_depth);
 }
 
-void say(const PlanJob& job, const std::string& folder, const Formats& formats) {
+void say(const PlanJob& job, const std::string& input, const std::string& folder,
+         const Formats& formats) {
   const Plan& plan = job.plan;
   fmt::print(
       stderr, "{}\n",
@@ -226,6 +227,7 @@ void say(const PlanJob& job, const std::string& folder, const Formats& formats) 
                "  next     print {}/sheets.pdf at actual size (100 %, not \"fit to page\"), and "
                "measure its bar\n",
                folder);
+  if (formats.has("pdf", plan.machine)) say_guide(plan, input, 11);
   if (plan.machine.language == "cricut") say_cricut(plan);
   for (const Warning& warning : plan.warnings)
     fmt::print(stderr, "  warning  {}\n", shown_text(warning.message));
@@ -262,7 +264,7 @@ Result<void> run_plan(const Options& options, const Globals& globals) {
   if (auto done = folder->commit("popcut plan " POPCUT_VERSION); !done) return done;
   if (globals.json) fmt::print("{}", json);
   if (!globals.quiet) {
-    say(*job, options.folder, *formats);
+    say(*job, options.plan.input, options.folder, *formats);
     if (formats->has("program", machine)) say_blade(*job, options.plan);
   }
   return {};

@@ -250,9 +250,10 @@ void say_next(const Options& options, const PlanJob& job) {
     fmt::print(
         stderr,
         "           press the dashed lines, cut the solid ones, the outline last, and fold{}\n",
-        job.plan.layout
+        job.plan.layout && !job.plan.layout->seams.empty()
             ? fmt::format("; {}/assembly.pdf shows how to glue the pieces", options.folder)
             : "");
+  say_guide(job.plan, options.plan.input, 11);
   if (job.plan.machine.language == "cricut")
     fmt::print(
         stderr,

@@ -123,6 +123,12 @@ std::string typed_plan(const PlanArguments& arguments) {
   return out;
 }
 
+void say_guide(const Plan& plan, const std::string& input, int indent) {
+  if (plan.glue_marks.size() == 0 || input == "-") return;
+  fmt::print(stderr, "{:{}}popcut fold-guide {} -o guide    # how to glue the parts\n", "", indent,
+             client::quoted(input));
+}
+
 Result<PlanJob> plan_input(const PlanArguments& arguments, bool progress) {
   return plan_input(arguments, progress, {});
 }

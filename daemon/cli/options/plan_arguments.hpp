@@ -29,6 +29,11 @@ void add_plan_arguments(const Command& command, PlanArguments& arguments);
 /// be: "card.json --machine cameo3 --mat A4 --marks".
 [[nodiscard]] std::string typed_plan(const PlanArguments& arguments);
 
+/// Says which command shows how to glue a card of parts; nothing for other drawings.
+///
+/// @param indent  of its line
+void say_guide(const Plan& plan, const std::string& input, int indent);
+
 /// Reads the input and the users' tables, and plans. A search for a short path that takes longer
 /// shows a progress bar if `progress`, and stops after a minute for each unit of effort.
 ///

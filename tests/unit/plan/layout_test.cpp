@@ -264,6 +264,10 @@ TEST_CASE("both sides of a seam carry its letter and ticks that meet", "[layout]
   }
   CHECK(std::includes(ticks[0].begin(), ticks[0].end(), ticks[1].begin(), ticks[1].begin() + 1));
   CHECK(layout.seams[0].label == "A");
+  // Tabs of a card of parts have the first letters.
+  LayoutOptions options = on(120, 110);
+  options.letters_taken = 7;
+  CHECK(testing::value(lay_out(sheet(200, 100), options)).seams[0].label == "H");
 }
 
 TEST_CASE("the marks of both seams of a narrow piece have a place each", "[layout]") {
@@ -464,6 +468,9 @@ TEST_CASE("the assembly names every piece and every seam", "[layout]") {
   CHECK(in_steps == layout.seams.size());
   for (const PieceSeam& seam : layout.seams)
     CHECK_THAT(svg, Catch::Contains(">" + seam.label + "</text>"));
+  CHECK_THAT(svg, Catch::Contains("Glue in this order"));
+  const auto whole = testing::value(lay_out(work, on(600, 400)));
+  CHECK_THAT(assembly_svg(whole, work), !Catch::Contains("Glue in this order"));
 }
 
 }  // namespace layout_test
