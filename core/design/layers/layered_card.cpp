@@ -135,7 +135,8 @@ LayerStrut strut_of(const LayerGrid& grid, LayerMask& mask, LayerChanges& change
   constexpr double kHigh = 0.3;  // of the layer; lower ones let it lean
   const LayerStrut out{middle - 0.5 * kLeastStrut_mm, middle + 0.5 * kLeastStrut_mm,
                        std::max(kTab_mm + 2.0, kHigh * height_of(grid, mask))};
-  add_strut_paper(grid, out, kTab_mm + 2.0, kStrutMargin_mm, mask);
+  // From the foot up, so that it hangs on the layer.
+  add_strut_paper(grid, out, out.height_mm, kStrutMargin_mm, mask);
   changes.shown_mm2 += static_cast<double>(std::count(mask.begin(), mask.end(), 1) - before) *
                        grid.cell_mm * grid.cell_mm;
   return out;

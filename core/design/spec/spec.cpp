@@ -169,6 +169,14 @@ class Design {
           "layers/opens_deg", ErrorKind::OutOfRange,
           fmt::format("is {:g}; layers stand on a card that opens to 90 or to 180 degrees", opens));
     spec_.facets.from_mm = spec_.given_from_mm.value_or(0.0);
+    if (const char* const solid = solid_word(*spec_.surface))
+      for (const auto& [is_given, field] :
+           {std::pair(spec_.given_from_mm.has_value(), "layers/from_mm"),
+            std::pair(spec_.facets.length_mm.has_value(), "layers/length_mm")})
+        if (is_given)
+          return wrong(
+              field, ErrorKind::Malformed,
+              fmt::format("is for a formula; a {} has its own ends, so leave it out", solid));
     if (solid_word(*spec_.surface) || spec_.facets.length_mm) return true;
     return wrong(
         "layers/length_mm", ErrorKind::Malformed,

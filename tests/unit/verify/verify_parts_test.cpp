@@ -1498,6 +1498,39 @@ TEST_CASE("what cannot be made of boxes says why, and what would do", "[core][pa
     CHECK(made.error().place == place);
     CHECK(made.error().detail.find(what) != std::string::npos);
   };
+TEST_CASE("a hollow shape has paper for its struts, which hangs on its layers",
+          "[core][parts][layers]") {
+  ObjText cup;
+  for (const auto& [x0, x1, y0, y1] :
+       {std::array{0.0, 60.0, 0.0, 5.0}, std::array{0.0, 60.0, 55.0, 60.0},
+        std::array{0.0, 5.0, 0.0, 60.0}, std::array{55.0, 60.0, 0.0, 60.0}}) {
+    const std::size_t n = cup.corners;
+    for (const double z : {0.0, 80.0})
+      for (const auto& [x, y] :
+           {std::pair(x0, y0), std::pair(x1, y0), std::pair(x1, y1), std::pair(x0, y1)})
+        cup.corner(x, y, z);
+    cup.face({n + 3, n + 2, n + 1, n}), cup.face({n + 4, n + 5, n + 6, n + 7});
+    for (std::size_t k = 0; k < 4; ++k)
+      cup.face({n + k, n + (k + 1) % 4, n + 4 + (k + 1) % 4, n + 4 + k});
+  }
+  const auto spec_of = [](const char* layers) {
+    return parse_design_spec(
+        R"({"popcut":1,"style":"layers","surface":{"type":"mesh","file":"a.obj"},"layers":)" +
+        std::string(layers) + "}");
+  };
+  const auto spec = spec_of(R"({"opens_deg":90})");
+  REQUIRE(spec);
+  const auto sound = judge::sound_layers(*spec, {{"a.obj", cup.text}}, "test");
+  if (!sound) FAIL(message(sound.error()));
+  CHECK(sound->report.degrees_of_freedom == 1U);
+  // A mesh has its own ends.
+  for (const char* layers : {R"({"from_mm":20})", R"({"length_mm":20})"}) {
+    const auto cropped = spec_of(layers);
+    REQUIRE_FALSE(cropped);
+    CHECK(cropped.error().detail.find("a mesh has its own ends") != std::string::npos);
+  }
+}
+
   std::vector<std::pair<double, double>> ball;
   for (int k = 0; k <= 16; ++k)
     ball.emplace_back(0.1 + 40.0 * std::sin(radians(11.25 * k)),
