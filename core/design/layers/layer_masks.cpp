@@ -116,6 +116,7 @@ class HalfMaker {
     add_foot();
     while (join_nearest()) {
     }
+    if (paper_.ridge_mm > 0.0) clear_fold();
     fill_holes();
     part_corners();
   }
@@ -261,6 +262,29 @@ class HalfMaker {
         }
     }
     changes_.shown_mm2 += area_mm2(shown);
+  }
+
+  /// Leaves no slot at the fold in the middle that is too narrow to cut, and no fold that is too
+  /// short to crease.
+  void clear_fold() {
+    constexpr double kSlot_mm = 2.0, kFold_mm = 4.0;  // on each side of the middle; along it
+    const std::size_t near = std::min(cells(kSlot_mm), half_.columns()), rows = half_.grid.rows;
+    const auto begins = [&](std::size_t row) {
+      const auto first = mask_.begin() + static_cast<std::ptrdiff_t>(row * half_.columns());
+      return static_cast<std::size_t>(
+          std::find(first, first + static_cast<std::ptrdiff_t>(near), 1) - first);
+    };
+    for (std::size_t r = 0; r < rows; ++r)
+      if (const std::size_t c = begins(r); c < near) fill(0, c, r, r + 1);
+    // Beside a fold there is no paper so near to the middle, so nothing hangs on what is taken out.
+    for (std::size_t r = 0; r < rows;) {
+      const std::size_t from = r;
+      while (r < rows && begins(r) == 0) ++r;
+      if (from > 0 && r > from && r - from < cells(kFold_mm))
+        for (std::size_t row = from; row < r; ++row)
+          std::fill_n(mask_.begin() + static_cast<std::ptrdiff_t>(row * half_.columns()), near, 0);
+      if (r == from) ++r;
+    }
   }
 
   /// Fills small holes. A gap at the middle is no hole: the fold stops there.

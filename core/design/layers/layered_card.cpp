@@ -392,9 +392,9 @@ void warn(const std::vector<CutLayer>& layers, int asked, LayeredCard& out) {
   if (layers.size() < static_cast<std::size_t>(asked))
     out.warnings.push_back(
         {.code = "fewer_layers",
-         .message = fmt::format("the card has {} layers, not {}: the shape is not deep enough for "
+         .message = fmt::format("the card has {} layer{}, not {}: the shape is not deep enough for "
                                 "more, which must be {:g} mm apart for their tabs",
-                                layers.size(), asked, kApart_mm)});
+                                layers.size(), layers.size() == 1 ? "" : "s", asked, kApart_mm)});
   if (filled > 0)
     out.warnings.push_back(
         {.code = "holes_filled",

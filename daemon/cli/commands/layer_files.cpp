@@ -253,13 +253,15 @@ void say_slices(const judge::SoundSlices& sound) {
 
 void say_layers(const judge::SoundLayers& sound, const likeness::PrintedFigures& printed) {
   const LayeredCard& made = sound.made;
-  fmt::print(stderr, "{}: {} layers on a card that opens {}, in one movement\n",
-             shown_text(made.card.name), made.layers.size(),
+  const bool is_one = made.layers.size() == 1;
+  fmt::print(stderr, "{}: {} layer{} on a card that opens {}, in one movement\n",
+             shown_text(made.card.name), made.layers.size(), is_one ? "" : "s",
              made.opens_flat ? "flat" : "to 90 degrees");
   fmt::print(stderr,
-             "  pages    {:.1f} mm from the spine, {:.1f} mm along it; shut, the layers reach "
+             "  pages    {:.1f} mm from the spine, {:.1f} mm along it; shut, the layer{} "
              "{:.1f} mm, and the stack is {:.1f} mm high\n",
-             made.card.page_mm, made.card.length_mm, sound.report.closed_mm, sound.report.stack_mm);
+             made.card.page_mm, made.card.length_mm, is_one ? " reaches" : "s reach",
+             sound.report.closed_mm, sound.report.stack_mm);
   fmt::print(stderr, "  pieces   {}, with {} tabs to glue\n", made.card.parts.size(), made.tabs);
   fmt::print(stderr, "  by hand  {}\n", hands::handwork_words(made.handwork));
   if (sound.report.wobble_mm)

@@ -680,6 +680,31 @@ TEST_CASE("layers on a card that opens to 90 degrees stay parallel to its wall",
   CHECK(other.error().place == "/layers/opens_deg");
 }
 
+TEST_CASE("the fold of a layer has no slot too narrow to cut, and is nowhere too short to crease",
+          "[core][parts][layers]") {
+  LayerGrid grid{0.5, 160, 160};
+  LayerMask mask(grid.cells(), 0);
+  const auto box = [&](std::size_t from, std::size_t to, std::size_t low, std::size_t high) {
+    for (std::size_t r = low; r < high; ++r)
+      for (std::size_t c = from; c < to; ++c) mask[grid.at(c, r)] = 1;
+  };
+  const std::size_t middle = grid.columns / 2;
+  box(middle - 40, middle + 40, 0, 50);
+  box(middle - 14, middle - 2, 50, 90), box(middle + 2, middle + 14, 50, 90);      // 2 mm apart
+  box(middle - 30, middle - 16, 90, 120), box(middle + 16, middle + 30, 90, 120);  // far apart,
+  box(middle - 30, middle + 30, 112, 117);  // with a bar of 2.5 mm between them
+  const LayerMask hidden(grid.cells(), 0);
+  static_cast<void>(make_one_piece(grid, hidden, LayerPaper{}, mask));
+  std::vector<std::size_t> folds;  // rows of each
+  for (std::size_t r = 0; r < grid.rows; ++r) {
+    const bool is_fold = mask[grid.at(middle - 1, r)] != 0 && mask[grid.at(middle, r)] != 0;
+    if (is_fold && (r == 0 || mask[grid.at(middle, r - 1)] == 0)) folds.push_back(0);
+    if (is_fold) ++folds.back();
+  }
+  REQUIRE(folds.size() == 1);
+  CHECK(folds[0] >= 85);
+}
+
 TEST_CASE("a guide folds every fold once and glues every tab once, on what is there and in reach",
           "[core][parts][guide]") {
   check_guide(two_v_folds(), true);
