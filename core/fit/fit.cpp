@@ -130,12 +130,15 @@ FitFigures FitTarget::measure(const TriangleSoup& structure) const {
   FitFigures out;
   out.size_mm = size_mm_, out.target_mm2 = area_mm2_, out.structure_mm2 = sampled.area_mm2;
   if (sampled.to_target.empty()) return out;
-  const double each = 1.0 / static_cast<double>(samples_.size());
   for (std::size_t w = 0; w < FitFigures::kWithin.size(); ++w) {
     const double near = FitFigures::kWithin[w] * size_mm_;
-    const auto within = std::count_if(sampled.to_structure.begin(), sampled.to_structure.end(),
-                                      [&](double d) { return d <= near; });
-    out.share_within[w] = static_cast<double>(within) * each;
+    const auto share = [&](const std::vector<double>& far) {
+      const auto within =
+          std::count_if(far.begin(), far.end(), [&](double d) { return d <= near; });
+      return static_cast<double>(within) / static_cast<double>(far.size());
+    };
+    out.share_within[w] = share(sampled.to_structure);
+    out.structure_within[w] = share(sampled.to_target);
   }
   const double spacing = spacing_of(sampled.area_mm2, sampled.points.size());
   const double to_target =

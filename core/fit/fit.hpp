@@ -31,7 +31,7 @@ class FitTarget {
   [[nodiscard]] FitFigures measure(const TriangleSoup& structure) const;
 
   /// The same for comparing structures, without what takes longest: `max_mm` is that of the
-  /// samples, and `share_within` and `out_of_reach` stay 0.
+  /// samples, and the shares that are within and `out_of_reach` stay 0.
   [[nodiscard]] FitFigures measure_roughly(const TriangleSoup& structure) const;
 
  private:

@@ -35,7 +35,8 @@ struct FitFigures {
   double size_mm{};              ///< diagonal of the box around the target
   double target_mm2{}, structure_mm2{};
   static constexpr std::array<double, 3> kWithin{0.01, 0.02, 0.05};
-  std::array<double, 3> share_within{};  ///< of the target's area, within `kWithin` of the size
+  std::array<double, 3> share_within{};      ///< of the target's area, within `kWithin` of the size
+  std::array<double, 3> structure_within{};  ///< the same of the structure's area
   OutOfReach out_of_reach;
 
   /// Root mean square over both surfaces, each with the same weight: one number to rank by.

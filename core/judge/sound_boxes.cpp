@@ -45,12 +45,6 @@ Result<SoundBoxes> sound_boxes(const DesignSpec& spec, const SurfaceAssets& asse
       most_play_mm = *play_mm;
       continue;
     }
-    if (has_tents(spec) && report.wobble_mm.value_or(0.0) > kHolds_mm)
-      sound->made.warnings.push_back(
-          {.code = "moves_in_paper",
-           .message = fmt::format("{} moves by {:.2f} mm where folds are {:g} mm off their lines; "
-                                  "make panels hold at places farther apart",
-                                  report.wobbles_most, *report.wobble_mm, hands::Play{}.line_mm)});
     return sound;
   }
 }
@@ -62,6 +56,10 @@ Result<SoundBoxes> sound_boxes(BoxedCard made, const std::string& creator,
   auto report = sound_report(*fold, "try another size", progress);
   if (!report) return tl::unexpected(report.error());
   made.wobble_mm = report->wobble_mm;
+  warn_of_moves(*report,
+                made.is_of_facets() ? "make panels hold at places farther apart"
+                                    : "crease and glue it exactly",
+                made.warnings);
   return SoundBoxes{std::move(made), std::move(*fold), std::move(*report)};
 }
 

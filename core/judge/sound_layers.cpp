@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "core/hands/wobble.hpp"
 #include "core/parts/structure_fold.hpp"
 
 namespace popcut::judge {
@@ -39,6 +40,16 @@ Result<PartsVerifyReport> sound_report(const std::string& fold, const char* try_
   return report;
 }
 
+void warn_of_moves(const PartsVerifyReport& report, const char* what_helps,
+                   std::vector<Warning>& warnings) {
+  if (report.wobble_mm.value_or(0.0) <= kHolds_mm) return;
+  warnings.push_back(
+      {.code = "moves_in_paper",
+       .message =
+           fmt::format("{} moves by {:.2f} mm where folds are {:g} mm off their lines; {}",
+                       report.wobbles_most, *report.wobble_mm, hands::Play{}.line_mm, what_helps)});
+}
+
 Result<SoundLayers> sound_layers(const DesignSpec& spec, const SurfaceAssets& assets,
                                  const std::string& creator, const Progress& progress) {
   auto made = layered_card(spec, assets, progress);
@@ -52,6 +63,7 @@ Result<SoundLayers> sound_layers(LayeredCard made, const std::string& creator,
   if (!fold) return tl::unexpected(fold.error());
   auto report = sound_report(*fold, "try other layers or another size", progress);
   if (!report) return tl::unexpected(report.error());
+  warn_of_moves(*report, "crease and glue it exactly", made.warnings);
   return SoundLayers{std::move(made), std::move(*fold), std::move(*report)};
 }
 

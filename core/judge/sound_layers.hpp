@@ -2,11 +2,13 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "core/design/layers/layered_card.hpp"
 #include "core/progress.hpp"
 #include "core/result.hpp"
 #include "core/verify/parts/parts.hpp"
+#include "core/warning.hpp"
 
 namespace popcut::judge {
 
@@ -24,6 +26,12 @@ struct SoundLayers {
 [[nodiscard]] Result<PartsVerifyReport> sound_report(const std::string& fold,
                                                      const char* try_instead,
                                                      const Progress& progress);
+
+/// Warns of a card whose panels move by more than `kHolds_mm` in paper.
+///
+/// @param what_helps  "crease and glue it exactly"
+void warn_of_moves(const PartsVerifyReport& report, const char* what_helps,
+                   std::vector<Warning>& warnings);
 
 /// Designs a card of layers (`layered_card`), and judges it by its FOLD file.
 ///

@@ -135,11 +135,12 @@ RoofFit fit_roof(const HeightMaps& maps, Rows rows, const Block& block, BlockRoo
   return out;
 }
 
-void take_best_roof(const HeightMaps& maps, Rows rows, Block& block) {
+void take_best_roof(const HeightMaps& maps, Rows rows, bool may_be_pyramid, Block& block) {
   const RoofFit flat = fit_roof(maps, rows, block, BlockRoof::Flat);
   block.roof = BlockRoof::Flat, block.height_mm = flat.height, block.rise_mm = 0.0;
   double best = kBetterRoof * flat.misfit;
   for (const BlockRoof roof : {BlockRoof::Gabled, BlockRoof::Pyramid}) {
+    if (roof == BlockRoof::Pyramid && !may_be_pyramid) continue;
     const RoofFit sloped = fit_roof(maps, rows, block, roof);
     if (sloped.misfit >= best || sloped.rise < kLeastPitch * block.half_mm) continue;
     best = sloped.misfit;
@@ -209,7 +210,8 @@ double misfit_of(const HeightMaps& maps, std::size_t from_row, std::size_t to_ro
 }
 
 std::optional<BlockMisfit> fit_block(const HeightMaps& maps, std::size_t from_row,
-                                     std::size_t to_row, const BlockSizes& sizes) {
+                                     std::size_t to_row, const BlockSizes& sizes,
+                                     bool may_be_pyramid) {
   const Rows rows{from_row, to_row};
   const double cell = maps.grid.cell_mm;
   Block block;
@@ -227,7 +229,7 @@ std::optional<BlockMisfit> fit_block(const HeightMaps& maps, std::size_t from_ro
   block.middle_mm = 0.5 * (sides[0] + sides[1]);
   block.half_mm = 0.5 * (sides[1] - sides[0]);
   if (!(block.half_mm >= sizes.half_mm)) return std::nullopt;
-  take_best_roof(maps, rows, block);
+  take_best_roof(maps, rows, may_be_pyramid, block);
   if (!has_walls || block.height_mm < sizes.height_mm) {
     // A roof alone: its slopes go on to the ground.
     if (block.roof != BlockRoof::Gabled || block.rise_mm < sizes.tent_mm ||

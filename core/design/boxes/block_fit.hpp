@@ -44,8 +44,11 @@ struct BlockSizes {
 /// The block that a stretch of rows of a target is most like, or none where it is too small or has
 /// no walls. Its walls are the planes in which most of its sides lie; its roof is the flat, gabled
 /// or pyramid one that fits best, by least squares that pass over chimneys and dormers.
+///
+/// @param may_be_pyramid  whether its roof may be one
 [[nodiscard]] std::optional<BlockMisfit> fit_block(const HeightMaps& maps, std::size_t from_row,
-                                                   std::size_t to_row, const BlockSizes& sizes);
+                                                   std::size_t to_row, const BlockSizes& sizes,
+                                                   bool may_be_pyramid = true);
 
 /// Finds the ends of a block: its walls across the spine, and how far its roof goes beyond them.
 ///

@@ -2,8 +2,10 @@
 #include "core/design/boxes/block_row.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <complex>
+#include <cstdint>
 #include <limits>
 #include <numbers>
 #include <numeric>
@@ -57,40 +59,97 @@ struct Chosen {
   double misfit_mm3{};
 };
 
-Chosen chosen_stretches(const HeightMaps& maps, const BlockSizes& sizes, double block_cost_mm3) {
-  const std::vector<std::size_t> cuts = cuts_of(maps);
+/// The blocks that all stretches between two cuts are most like, each found once.
+class StretchFits {
+ public:
+  StretchFits(const HeightMaps& maps, const BlockSizes& sizes)
+      : maps_(maps), sizes_(sizes), cuts_(cuts_of(maps)), found_(cuts_.size() * cuts_.size()) {}
+
+  [[nodiscard]] const std::vector<std::size_t>& cuts() const { return cuts_; }
+  [[nodiscard]] const HeightMaps& maps() const { return maps_; }
+
+  /// @param from, to  of `cuts`
+  const std::optional<BlockMisfit>& at(std::size_t from, std::size_t to, bool may_be_pyramid) {
+    Found& found = found_[from * cuts_.size() + to];
+    std::optional<std::optional<BlockMisfit>>& fit = may_be_pyramid ? found.any : found.unpointed;
+    if (!fit) fit = fit_block(maps_, cuts_[from], cuts_[to], sizes_, may_be_pyramid);
+    return *fit;
+  }
+
+ private:
+  struct Found {
+    std::optional<std::optional<BlockMisfit>> any, unpointed;
+  };
+  const HeightMaps& maps_;
+  const BlockSizes& sizes_;
+  std::vector<std::size_t> cuts_;
+  std::vector<Found> found_;
+};
+
+/// What ends at a cut: nothing, a block that the next one touches, or one that stands free there.
+enum Ending : std::uint8_t { Bare, TouchedBlock, FreeBlock };
+constexpr std::array kEndings{Bare, TouchedBlock, FreeBlock};
+
+Chosen chosen_stretches(StretchFits& fits, double block_cost_mm3, const CanStand& can_stand) {
+  const std::vector<std::size_t>& cuts = fits.cuts();
   struct Best {
     double cost{std::numeric_limits<double>::infinity()};
     std::size_t from{};
+    Ending before{};
     std::optional<Block> block;
   };
-  std::vector<Best> best(cuts.size());
-  best[0].cost = 0.0;
-  for (std::size_t to = 1; to < cuts.size(); ++to)
-    for (std::size_t from = 0; from < to; ++from) {
-      const double bare = best[from].cost + volume_of(maps, cuts[from], cuts[to]);
-      if (bare < best[to].cost) best[to] = {bare, from, {}};
-      const auto found = fit_block(maps, cuts[from], cuts[to], sizes);
-      if (!found) continue;
-      const double cost = best[from].cost + found->misfit_mm3 + block_cost_mm3;
-      if (cost < best[to].cost) best[to] = {cost, from, found->block};
+  std::vector<std::array<Best, kEndings.size()>> best(cuts.size());
+  best[0][Bare].cost = 0.0;
+  const auto keep = [](Best& in, Best one) {
+    if (one.cost < in.cost) in = std::move(one);
+  };
+  const auto add_block = [&](std::size_t from, std::size_t to, Ending before) {
+    const bool touches = before == TouchedBlock;
+    for (const bool may_be_pyramid : {true, false}) {
+      const auto& found = fits.at(from, to, may_be_pyramid);
+      if (!found) return;
+      const auto stands = [&](bool touches_next) {
+        return !can_stand || can_stand(found->block, touches, touches_next);
+      };
+      const Best one{best[from][before].cost + found->misfit_mm3 + block_cost_mm3, from, before,
+                     found->block};
+      const bool beside_next = stands(true), alone = stands(false);
+      if (beside_next) keep(best[to][TouchedBlock], one);
+      if (alone) keep(best[to][FreeBlock], one);
+      if ((beside_next && alone) || found->block.roof != BlockRoof::Pyramid) return;
     }
+  };
+  for (std::size_t to = 1; to < cuts.size(); ++to)
+    for (std::size_t from = 0; from < to; ++from)
+      for (const Ending before : kEndings) {
+        const double so_far = best[from][before].cost;
+        if (!(so_far < std::numeric_limits<double>::infinity())) continue;
+        if (before != FreeBlock) add_block(from, to, before);
+        if (before != TouchedBlock)
+          keep(best[to][Bare],
+               {so_far + volume_of(fits.maps(), cuts[from], cuts[to]), from, before, {}});
+      }
   Chosen out;
-  out.misfit_mm3 = best.back().cost;
-  for (std::size_t at = cuts.size() - 1; at > 0; at = best[at].from)
-    if (best[at].block) out.stretches.push_back({cuts[best[at].from], cuts[at], *best[at].block});
+  Ending ending = best.back()[FreeBlock].cost < best.back()[Bare].cost ? FreeBlock : Bare;
+  out.misfit_mm3 = best.back()[ending].cost;
+  for (std::size_t at = cuts.size() - 1; at > 0;) {
+    const Best& one = best[at][ending];
+    if (one.block) out.stretches.push_back({cuts[one.from], cuts[at], *one.block});
+    at = one.from, ending = one.before;
+  }
   std::reverse(out.stretches.begin(), out.stretches.end());
   out.misfit_mm3 -= block_cost_mm3 * static_cast<double>(out.stretches.size());
   return out;
 }
 
 /// The row of a target that has been turned, and what it costs: its misfit, and its blocks.
-std::pair<BlockRow, double> row_along_y(const TriangleSoup& target, const BlockSizes& sizes) {
-  const HeightMaps maps = height_maps(target, kMapCells);
+std::pair<BlockRow, double> row_along_y(const TriangleSoup& target, const BlockSizes& sizes,
+                                        StretchFits& fits, const CanStand& can_stand) {
+  const HeightMaps& maps = fits.maps();
   const double volume = volume_of(maps, 0, maps.grid.rows);
   BlockRow out;
   if (!(volume > 0.0)) return {out, std::numeric_limits<double>::infinity()};
-  Chosen chosen = chosen_stretches(maps, sizes, kBlockCost * volume);
+  const Chosen chosen = chosen_stretches(fits, kBlockCost * volume, can_stand);
   if (chosen.stretches.empty()) return {out, std::numeric_limits<double>::infinity()};
   out.misfit = chosen.misfit_mm3 / volume;
   // The spine is the middle of the largest block; what stands beside it is left out.
@@ -148,16 +207,24 @@ void turn_about_z(TriangleSoup& target, double turn_rad) {
   }
 }
 
-BlockRow block_row(const TriangleSoup& target, const BlockSizes& sizes) {
+BlockRows block_rows(const TriangleSoup& target, const BlockSizes& sizes,
+                     const CanStand& can_stand) {
   const double straight = -wall_direction_rad(target);
-  BlockRow out;
-  double least = std::numeric_limits<double>::infinity();
+  BlockRows out;
+  std::array<double, 2> least;
+  least.fill(std::numeric_limits<double>::infinity());
   for (const double more : {0.0, 0.5 * std::numbers::pi}) {
     TriangleSoup turned = target;
     turn_about_z(turned, straight + more);
-    auto [row, cost] = row_along_y(turned, sizes);
-    if (row.empty() || cost >= least) continue;
-    least = cost, out = std::move(row), out.turn_rad = straight + more;
+    const HeightMaps maps = height_maps(turned, kMapCells);
+    StretchFits fits(maps, sizes);
+    const auto take = [&](const CanStand& rule, BlockRow& best, double& of) {
+      auto [row, cost] = row_along_y(turned, sizes, fits, rule);
+      if (row.empty() || cost >= of) return;
+      of = cost, best = std::move(row), best.turn_rad = straight + more;
+    };
+    take({}, out.nearest, least[0]);
+    take(can_stand, out.standing, least[1]);
   }
   return out;
 }

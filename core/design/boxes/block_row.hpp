@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <vector>
 
 #include "core/design/boxes/block_fit.hpp"
@@ -29,11 +30,23 @@ struct BlockRow {
 /// Turns a target about the vertical.
 void turn_about_z(TriangleSoup& target, double turn_rad);
 
-/// The row of blocks that a target is most like, with the spine along its walls or across them.
-/// Its stretches are found by dynamic programming over the places where its heights change most:
-/// each more block must make up for `kBlockCost` of the target's volume.
+/// Whether a block opens and shuts, beside a block before its beginning and one behind its end or
+/// not.
+using CanStand = std::function<bool(const Block&, bool touches_before, bool touches_after)>;
+
+/// The rows of blocks that a target is most like, with the spine along its walls or across them.
+struct BlockRows {
+  BlockRow nearest;
+  /// The nearest of those whose blocks all can stand; the same where those of `nearest` do.
+  BlockRow standing;
+};
+
+/// Finds the rows of a target. Their stretches are found by dynamic programming over the places
+/// where its heights change most: each more block must make up for `kBlockCost` of the target's
+/// volume.
 ///
 /// @param target  its foot at z = 0
-[[nodiscard]] BlockRow block_row(const TriangleSoup& target, const BlockSizes& sizes);
+[[nodiscard]] BlockRows block_rows(const TriangleSoup& target, const BlockSizes& sizes,
+                                   const CanStand& can_stand);
 
 }  // namespace popcut

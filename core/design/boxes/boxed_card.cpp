@@ -24,11 +24,12 @@ namespace {
 constexpr double kMargin_mm = 8.0;  ///< of the pages, around all that is shut or open
 constexpr double kTab_mm = 7.0;
 constexpr double kLeastSize_mm = 20.0;
-constexpr double kOnPage_mm = 0.05;      ///< what is no higher lies on the pages
-constexpr double kLeastShown = 0.5;      ///< of the target within `kShownWithin` of the boxes
-constexpr std::size_t kShownWithin = 1;  ///< of `FitFigures::kWithin`: 2 % of its size
-constexpr double kMostMisfit = 0.12;     ///< volume that differs, seen from above
-constexpr double kMostEaves = 0.97;      ///< of the longest that can shut
+constexpr double kOnPage_mm = 0.05;       ///< what is no higher lies on the pages
+constexpr double kLeastShown = 0.5;       ///< of the target within `kShownWithin` of the boxes
+constexpr std::size_t kShownWithin = 1;   ///< of `FitFigures::kWithin`: 2 % of its size
+constexpr std::size_t kFilledBeyond = 2;  ///< of `FitFigures::kWithin`: 5 % of its size
+constexpr double kMostMisfit = 0.12;      ///< volume that differs, seen from above
+constexpr double kMostEaves = 0.97;       ///< of the longest that can shut
 constexpr double kFar_mm = 1e4;
 // What holds the ends of a box: found with verify's wobble on random boxes.
 constexpr double kHeldBend_rad = radians(3.5);  ///< of each half, with an inner wall
@@ -162,6 +163,19 @@ void make_firm(BoxElement& box, bool touches_before, bool touches_after) {
   box.verge_mm = {box.verge_mm[0] + by, std::max(0.0, box.verge_mm[1] - by)};
 }
 
+/// Whether a block opens and shuts beside others (`CanStand`). A pyramid that stands with all of
+/// its slopes stands without one, too.
+bool can_stand(Block block, bool touches_before, bool touches_after) {
+  if (block.is_tent()) return can_move(tent_of(block)).has_value();
+  const double half_gap = 0.5 * Structure{}.thickness_mm;
+  if (touches_before) block.from_mm += half_gap;
+  if (touches_after) block.to_mm -= half_gap;
+  block.eaves_mm = 0.0;  // too long ones are shortened
+  BoxElement box = box_of(block);
+  make_firm(box, touches_before, touches_after);
+  return can_move(box).has_value();
+}
+
 /// Builds the blocks on a card, whatever its pages are.
 Result<void> add_blocks(const BlockRow& row, BoxedCard& out) {
   for (std::size_t k = 0; k < row.blocks.size(); ++k) {
@@ -267,6 +281,16 @@ void warn_of_rest(const BlockRow& row, BoxedCard& out) {
                          "what stands beside the walls, is farther than {:.1f} mm from the "
                          "boxes and left out",
                          100.0 * rest, FitFigures::kWithin[kShownWithin] * out.fit.size_mm)});
+  const double filled = 1.0 - out.fit.structure_within[kFilledBeyond];
+  constexpr double kSmallGap = 0.02;
+  if (filled > kSmallGap)
+    out.warnings.push_back(
+        {.code = "gaps_filled",
+         .message =
+             fmt::format("{:.0f} % of the boxes' paper is farther than {:.1f} mm from the shape: "
+                         "boxes have no openings, such as gates and arches, and only flat, gabled "
+                         "and pyramid roofs",
+                         100.0 * filled, FitFigures::kWithin[kFilledBeyond] * out.fit.size_mm)});
 }
 
 }  // namespace
@@ -336,7 +360,10 @@ Result<BoxedCard> boxed_card(const DesignSpec& spec, const SurfaceAssets& assets
   constexpr const char* kNoBoxes =
       "has no boxes: a card of them needs upright walls at right angles to each other, and flat or "
       "gabled roofs; for other shapes use the style layers or slices";
-  BlockRow row = block_row(*target, {});
+  BlockRows rows = block_rows(*target, {}, can_stand);
+  // Where none can stand that is near enough, the nearest says why not.
+  const bool stands = !rows.standing.empty() && rows.standing.misfit <= kMostMisfit;
+  BlockRow row = std::move(stands ? rows.standing : rows.nearest);
   if (row.empty()) return fail(ErrorKind::Infeasible, "/surface", kNoBoxes);
   if (row.misfit > kMostMisfit)
     return fail(

@@ -1439,6 +1439,36 @@ TEST_CASE("a house, a church and a barn are boxes of few panels, less than 1 % o
     CHECK(row.made.boxes[0].inner_part);
     CHECK(row.report.wobble_mm.value_or(9.0) <= 1.0);
   }
+  SECTION("what would not open or shut becomes the nearest that does") {
+    // The paper of a low pyramid leaves too little room for the tab that closes it.
+    Village low;
+    low.box(-30.0, 30.0, 0.0, 60.0, 0.0, 40.0);
+    low.pyramid(30.0, 0.0, 60.0, 40.0, 48.0);
+    CHECK(boxes_of(low.text).made.boxes[0].block.roof != BlockRoof::Pyramid);
+    // Both ends of the house in the middle would fold inward, and meet.
+    Village street;
+    street.house(30.0, 0.0, 60.0, 30.0, 20.0, 0.0, 0.0);
+    street.house(30.0, 60.0, 90.0, 36.0, 20.0, 0.0, 0.0);
+    street.house(30.0, 90.0, 150.0, 42.0, 20.0, 0.0, 0.0);
+    const judge::SoundBoxes row = boxes_of(street.text);
+    CHECK(row.made.boxes.size() == 2);
+    CHECK(row.report.degrees_of_freedom == 1U);
+  }
+  SECTION("paper over a gate is named, and so is what moves by more than 1 mm") {
+    const auto has = [](const judge::SoundBoxes& sound, const char* code) {
+      return std::any_of(sound.made.warnings.begin(), sound.made.warnings.end(),
+                         [&](const Warning& one) { return one.code == code; });
+    };
+    Village gate;
+    gate.box(-40.0, -15.0, 0.0, 40.0, 0.0, 80.0), gate.box(15.0, 40.0, 0.0, 40.0, 0.0, 80.0);
+    gate.box(-15.0, 15.0, 0.0, 40.0, 50.0, 80.0);
+    CHECK(has(boxes_of(gate.text), "gaps_filled"));
+    CHECK_FALSE(has(boxes_of(barn_obj()), "gaps_filled"));
+    Village tower;
+    tower.box(-12.0, 12.0, 0.0, 24.0, 0.0, 180.0);
+    for (const judge::SoundBoxes& sound : {boxes_of(church_obj()), boxes_of(tower.text)})
+      CHECK(has(sound, "moves_in_paper") == (sound.report.wobble_mm.value_or(0.0) > 1.0));
+  }
   SECTION("a roof alone is a tent, and a turned church is turned back") {
     Village tent;
     tent.house(25.0, 0.0, 60.0, 0.0, 40.0, 0.0, 0.0);
@@ -1466,6 +1496,39 @@ TEST_CASE("layers of tall and slim shapes move by at most 1 mm", "[core][parts][
       if (!sound) FAIL(message(sound.error()));
       CHECK(sound->report.wobble_mm.value_or(9.0) <= 1.0);
     }
+}
+
+TEST_CASE("a hollow shape has paper for its struts, which hangs on its layers",
+          "[core][parts][layers]") {
+  ObjText cup;
+  for (const auto& [x0, x1, y0, y1] :
+       {std::array{0.0, 60.0, 0.0, 5.0}, std::array{0.0, 60.0, 55.0, 60.0},
+        std::array{0.0, 5.0, 0.0, 60.0}, std::array{55.0, 60.0, 0.0, 60.0}}) {
+    const std::size_t n = cup.corners;
+    for (const double z : {0.0, 80.0})
+      for (const auto& [x, y] :
+           {std::pair(x0, y0), std::pair(x1, y0), std::pair(x1, y1), std::pair(x0, y1)})
+        cup.corner(x, y, z);
+    cup.face({n + 3, n + 2, n + 1, n}), cup.face({n + 4, n + 5, n + 6, n + 7});
+    for (std::size_t k = 0; k < 4; ++k)
+      cup.face({n + k, n + (k + 1) % 4, n + 4 + (k + 1) % 4, n + 4 + k});
+  }
+  const auto spec_of = [](const char* layers) {
+    return parse_design_spec(
+        R"({"popcut":1,"style":"layers","surface":{"type":"mesh","file":"a.obj"},"layers":)" +
+        std::string(layers) + "}");
+  };
+  const auto spec = spec_of(R"({"opens_deg":90})");
+  REQUIRE(spec);
+  const auto sound = judge::sound_layers(*spec, {{"a.obj", cup.text}}, "test");
+  if (!sound) FAIL(message(sound.error()));
+  CHECK(sound->report.degrees_of_freedom == 1U);
+  // A mesh has its own ends.
+  for (const char* layers : {R"({"from_mm":20})", R"({"length_mm":20})"}) {
+    const auto cropped = spec_of(layers);
+    REQUIRE_FALSE(cropped);
+    CHECK(cropped.error().detail.find("a mesh has its own ends") != std::string::npos);
+  }
 }
 
 TEST_CASE("solids that overlap are one in each layer", "[core][parts][layers]") {
@@ -1523,39 +1586,6 @@ TEST_CASE("what cannot be made of boxes says why, and what would do", "[core][pa
     CHECK(made.error().place == place);
     CHECK(made.error().detail.find(what) != std::string::npos);
   };
-TEST_CASE("a hollow shape has paper for its struts, which hangs on its layers",
-          "[core][parts][layers]") {
-  ObjText cup;
-  for (const auto& [x0, x1, y0, y1] :
-       {std::array{0.0, 60.0, 0.0, 5.0}, std::array{0.0, 60.0, 55.0, 60.0},
-        std::array{0.0, 5.0, 0.0, 60.0}, std::array{55.0, 60.0, 0.0, 60.0}}) {
-    const std::size_t n = cup.corners;
-    for (const double z : {0.0, 80.0})
-      for (const auto& [x, y] :
-           {std::pair(x0, y0), std::pair(x1, y0), std::pair(x1, y1), std::pair(x0, y1)})
-        cup.corner(x, y, z);
-    cup.face({n + 3, n + 2, n + 1, n}), cup.face({n + 4, n + 5, n + 6, n + 7});
-    for (std::size_t k = 0; k < 4; ++k)
-      cup.face({n + k, n + (k + 1) % 4, n + 4 + (k + 1) % 4, n + 4 + k});
-  }
-  const auto spec_of = [](const char* layers) {
-    return parse_design_spec(
-        R"({"popcut":1,"style":"layers","surface":{"type":"mesh","file":"a.obj"},"layers":)" +
-        std::string(layers) + "}");
-  };
-  const auto spec = spec_of(R"({"opens_deg":90})");
-  REQUIRE(spec);
-  const auto sound = judge::sound_layers(*spec, {{"a.obj", cup.text}}, "test");
-  if (!sound) FAIL(message(sound.error()));
-  CHECK(sound->report.degrees_of_freedom == 1U);
-  // A mesh has its own ends.
-  for (const char* layers : {R"({"from_mm":20})", R"({"length_mm":20})"}) {
-    const auto cropped = spec_of(layers);
-    REQUIRE_FALSE(cropped);
-    CHECK(cropped.error().detail.find("a mesh has its own ends") != std::string::npos);
-  }
-}
-
   std::vector<std::pair<double, double>> ball;
   for (int k = 0; k <= 16; ++k)
     ball.emplace_back(0.1 + 40.0 * std::sin(radians(11.25 * k)),
