@@ -350,9 +350,12 @@ TEST_CASE("who does not say who they are keeps out nobody who does", "[daemon][h
       strangers.push_back(server.connect());
       strangers.back().send(all);
     }
-    std::this_thread::sleep_for(std::chrono::milliseconds(2500));
   }
-  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  // Until popcutd has noticed that they neither say who they are nor read.
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::minutes(2);
+  while (server.fetch("GET", "/v1/devices", "viewer").status != 200 &&
+         std::chrono::steady_clock::now() < deadline)
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
   for (int i = 0; i < 20; ++i) CHECK(server.fetch("GET", "/v1/devices", "viewer").status == 200);
 }
 
