@@ -265,11 +265,9 @@ std::optional<std::size_t> FieldReader::word_at(const std::string& below, const 
   if (it != words.end()) return static_cast<std::size_t>(it - words.begin());
   const std::string near = nearest_word(got, words);
   constexpr std::size_t kMostEchoed = 60;
-  std::string start = got.substr(0, kMostEchoed);
-  while (!start.empty() && !is_utf8(start)) start.pop_back();
   add({ErrorKind::OutOfRange, place_of(below), "word",
-       fmt::format("is \"{}{}\"; must be one of {}{}", start, got.size() > kMostEchoed ? "..." : "",
-                   fmt::join(words, ", "),
+       fmt::format("is \"{}{}\"; must be one of {}{}", utf8_start(got, kMostEchoed),
+                   got.size() > kMostEchoed ? "..." : "", fmt::join(words, ", "),
                    near.empty() ? "" : fmt::format("; did you mean {}?", near)),
        shown(value)});
   return std::nullopt;

@@ -43,6 +43,12 @@ bool is_utf8(std::string_view text) {
   return true;
 }
 
+std::string_view utf8_start(std::string_view text, std::size_t bytes) {
+  text = text.substr(0, bytes);
+  while (!is_utf8(text)) text.remove_suffix(1);
+  return text;
+}
+
 void append_utf8(std::string& out, std::uint32_t character) {
   const auto put = [&](std::uint32_t byte) { out += static_cast<char>(byte); };
   if (character < 0x80) return put(character);

@@ -20,6 +20,9 @@ struct CodePoint {
 /// Whether all of `text` is UTF-8, as `code_point` defines it.
 [[nodiscard]] bool is_utf8(std::string_view text);
 
+/// The first characters of UTF-8 `text`, at most so many bytes of them.
+[[nodiscard]] std::string_view utf8_start(std::string_view text, std::size_t bytes);
+
 /// UTF-16 as UTF-8; half a surrogate pair becomes U+FFFD.
 ///
 /// @param big  the high byte of a pair comes first

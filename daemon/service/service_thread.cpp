@@ -33,7 +33,7 @@ struct ServiceThread::State {
   bool ending{false};
   std::thread thread;
 
-  // Queues the periodic work that is due, and returns when the next one is due.
+  // Queues the periodic work that is due. Returns the time at which to call it again.
   Clock::time_point queue_due() {
     const Clock::time_point now = Clock::now();
     Clock::time_point next = now + std::chrono::hours(1);

@@ -93,15 +93,7 @@ void add_strut_paper(const LayerGrid& grid, const LayerStrut& strut, double deep
     for (std::size_t c = column(strut.from_mm - margin_mm); c < column(strut.to_mm + margin_mm);
          ++c)
       mask[grid.at(c, r)] = 1;
-  // No two cells may touch in a corner only, so that the border is a simple polygon.
-  for (bool any = true; any;) {
-    any = false;
-    for (std::size_t r = 0; r + 1 < grid.rows; ++r)
-      for (std::size_t c = 0; c + 1 < grid.columns; ++c) {
-        std::uint8_t &a = mask[grid.at(c, r)], &b = mask[grid.at(c + 1, r)],
-                     &d = mask[grid.at(c, r + 1)], &e = mask[grid.at(c + 1, r + 1)];
-        if (a == e && b == d && a != b) a = b = d = e = 1, any = true;
-      }
+  while (fill_corners(grid.columns, mask)) {
   }
 }
 

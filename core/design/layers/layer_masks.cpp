@@ -118,7 +118,7 @@ class HalfMaker {
     }
     if (paper_.ridge_mm > 0.0) clear_fold();
     fill_holes();
-    part_corners();
+    while (fill_corners(half_.columns(), mask_)) fill_holes();
   }
 
   [[nodiscard]] std::size_t cells(double mm) const {
@@ -305,21 +305,6 @@ class HalfMaker {
     changes_.filled += static_cast<std::size_t>(std::count(is_open.begin(), is_open.end(), false));
   }
 
-  /// No two cells may touch in a corner only, so that the border is a simple polygon.
-  void part_corners() {
-    for (bool any = true; any;) {
-      any = false;
-      for (std::size_t r = 0; r + 1 < half_.grid.rows; ++r)
-        for (std::size_t c = 0; c + 1 < half_.columns(); ++c) {
-          std::uint8_t &a = mask_[r * half_.columns() + c], &b = mask_[r * half_.columns() + c + 1],
-                       &d = mask_[(r + 1) * half_.columns() + c],
-                       &e = mask_[(r + 1) * half_.columns() + c + 1];
-          if (a == e && b == d && a != b) a = b = d = e = 1, any = true;
-        }
-      if (any) fill_holes();
-    }
-  }
-
   Half half_;
   const LayerPaper& paper_;
   std::size_t high_, covered_;
@@ -425,6 +410,17 @@ DepthStacks depth_stacks(TriangleSoup target, const LayerLook& look, double cell
       return a.depth_mm < b.depth_mm || (a.depth_mm == b.depth_mm && a.enters && !b.enters);
     });
   return out;
+}
+
+bool fill_corners(std::size_t columns, LayerMask& mask) {
+  bool any = false;
+  for (std::size_t next = columns; next < mask.size(); next += columns)
+    for (std::size_t c = 0; c + 1 < columns; ++c) {
+      std::uint8_t &a = mask[next - columns + c], &b = mask[next - columns + c + 1],
+                   &d = mask[next + c], &e = mask[next + c + 1];
+      if (a == e && b == d && a != b) a = b = d = e = 1, any = true;
+    }
+  return any;
 }
 
 double height_of(const LayerGrid& grid, const LayerMask& mask) {

@@ -60,6 +60,13 @@ struct DepthStacks {
 [[nodiscard]] DepthStacks depth_stacks(TriangleSoup target, const LayerLook& look, double cell_mm,
                                        double least_half_mm = 0.0);
 
+/// Fills the cells around each place where two cells of paper touch in a corner only, so that the
+/// border of paper is a simple polygon. One pass over the rows, which can leave new ones.
+///
+/// @param columns  cells of a row of `mask`
+/// @return whether it filled any
+bool fill_corners(std::size_t columns, LayerMask& mask);
+
 /// The height of a layer, mm.
 [[nodiscard]] double height_of(const LayerGrid& grid, const LayerMask& mask);
 

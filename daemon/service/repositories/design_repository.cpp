@@ -74,13 +74,6 @@ void keep_preview(Result<PlanningOutcome>& outcome, const std::string& place) {
   outcome->files.shrink_to_fit();
 }
 
-// UTF-8, cut to some bytes, with whole characters.
-std::string cut_to(std::string_view text, std::size_t bytes) {
-  text = text.substr(0, bytes);
-  while (!is_utf8(text)) text.remove_suffix(1);
-  return std::string(text);
-}
-
 // The text at "/material" of a spec. The spec is not kept while it is read, because a hostile one
 // may hold a million values. A name that is longer than any material's is cut, because names are
 // kept in memory and repeated in errors.
@@ -93,7 +86,7 @@ std::string material_in(const std::string& text) {
     if (event == Json::parse_event_t::key)
       is_next = depth == 1 && value == "material";
     else if (event == Json::parse_event_t::value && is_material && !found && value.is_string())
-      found = cut_to(value.get_ref<const std::string&>(), kLongestMaterial);
+      found = utf8_start(value.get_ref<const std::string&>(), kLongestMaterial);
     return event == Json::parse_event_t::object_start && depth == 0;
   };
   (void)Json::parse(text, take, false);

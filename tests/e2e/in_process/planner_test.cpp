@@ -75,6 +75,16 @@ struct Bench {
   int count_{};
 };
 
+/// A task about the sheets of a spec that have marks for print.
+planning::WorkerTask marked_sheet(Kind kind, const std::string& spec) {
+  planning::WorkerTask task{.kind = kind, .design_kind = "spec"};
+  task.machine_json = R"({"name": "ours", "like": "cameo3", "title": "T"})";
+  task.material_json = R"({"name": "m", "like": "paper-220", "title": "M"})";
+  task.design = spec;
+  task.options = {{"marks", "true"}};
+  return task;
+}
+
 }  // namespace
 
 TEST_CASE("a check detects the kind of a file by its content and redraws it", "[daemon][planner]") {
@@ -461,12 +471,7 @@ TEST_CASE("a plan says what it is at, phase by phase", "[daemon][planning]") {
 TEST_CASE("the artwork of a sheet is drawn only for the program that its plan gave",
           "[daemon][planning][artwork]") {
   const auto task_of = [](Kind kind) {
-    planning::WorkerTask task{.kind = kind, .design_kind = "spec"};
-    task.machine_json = R"({"name": "ours", "like": "cameo3", "title": "T"})";
-    task.material_json = R"({"name": "m", "like": "paper-220", "title": "M"})";
-    task.design = text_of_file(kExamples + "village.json");
-    task.options = {{"marks", "true"}};
-    return task;
+    return marked_sheet(kind, text_of_file(kExamples + "village.json"));
   };
   std::map<std::string, std::string> files;
   const auto keep = [&](const std::string& name, const std::string& bytes) -> Result<void> {
@@ -503,12 +508,8 @@ TEST_CASE("the artwork of cards of layers and of boxes is drawn in a worker",
   house["surface"]["file"] = id;
   house["style"] = style;
   const auto task_of = [&](Kind kind) {
-    planning::WorkerTask task{.kind = kind, .design_kind = "spec"};
-    task.machine_json = R"({"name": "ours", "like": "cameo3", "title": "T"})";
-    task.material_json = R"({"name": "m", "like": "paper-220", "title": "M"})";
-    task.design = house.dump();
+    planning::WorkerTask task = marked_sheet(kind, house.dump());
     task.assets[id] = glb;
-    task.options = {{"marks", "true"}};
     return task;
   };
   std::map<std::string, std::string> files;
