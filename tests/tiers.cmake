@@ -37,7 +37,7 @@ set(popcut_sanitized
   "conformance/(device|protocol)_captures : recorded bytes of cutters are read"
   "unit/artwork/colour_mesh : models with textures are read, as glTF, OBJ, PNG and JPEG"
   "unit/daemon/(client|config|http_handlers|http_parts|pages|png|store|webhook) : bytes of clients, servers, files and databases are read"
-  "unit/design/(outline|target_readers|targets) : fonts, meshes and tables are read"
+  "unit/design/(outline|target_readers) : fonts, meshes and tables are read"
   "unit/formats/ : drawings and patterns are read"
   "unit/protocol/ : commands and replies of cutters are read"
   "unit/verify/verify_input : pattern files are read"
@@ -63,6 +63,9 @@ set(popcut_sanitized
   "property/(layout|order|clean|compare) : indices into tours, grids and graphs, for random lines"
   "property/(faults_memory|service_faults) : memory or the disk ends at any call"
   "unit/daemon/http_memory : memory ends at any call")
+
+# What CI runs of it: the entries whose programs need nothing of the daemon, which takes as long to compile as the rest.
+set(popcut_sanitized_daemon "^(e2e|usb|unit/daemon|unit/fleet|property/(service|session|store|faults_memory))")
 
 # What needs the PostgreSQL of the run (support/fleet_postgres.cpp); unit/support/ configures and freezes its own.
 set(popcut_on_postgres
@@ -117,7 +120,7 @@ function(popcut_only_tier list)
 endfunction()
 
 # popcut_entry(NAME LABELS command ...): an entry, with the labels LABELS, 'cpu' or 'wait', and
-# 'quick' and 'sanitize' if it is in these tiers.
+# 'quick', 'sanitize' and 'sanitize_core' if it is in these tiers.
 find_program(POPCUT_NICE nice)
 mark_as_advanced(POPCUT_NICE)
 function(popcut_entry name labels)
@@ -144,6 +147,10 @@ function(popcut_entry name labels)
     list(APPEND labels sanitize)
     set_property(GLOBAL APPEND PROPERTY POPCUT_SANITIZED_PATTERNS "${pattern}")
     set_property(GLOBAL APPEND PROPERTY POPCUT_PROGRAMS_OF_sanitize ${programs})
+    if(NOT name MATCHES "${popcut_sanitized_daemon}")
+      list(APPEND labels sanitize_core)
+      set_property(GLOBAL APPEND PROPERTY POPCUT_PROGRAMS_OF_sanitize_core ${programs})
+    endif()
   endif()
   list(APPEND labels ${pool})
   set(cost 10)

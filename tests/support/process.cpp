@@ -5,8 +5,9 @@
 #include <chrono>
 #include <cstdlib>
 #include <fstream>
-#include <iterator>
+#include <sstream>
 #include <stdexcept>
+#include <utility>
 
 #include <fcntl.h>
 #include <sys/resource.h>
@@ -87,7 +88,9 @@ Ran run_program(const std::vector<std::string>& arguments, const fs::path& folde
 
 std::string text_of_file(const fs::path& path) {
   std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
+  std::ostringstream text;
+  text << file.rdbuf();
+  return std::move(text).str();
 }
 
 void write_file(const fs::path& path, const std::string& text) {

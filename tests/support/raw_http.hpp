@@ -41,8 +41,9 @@ class RawConnection {
 
   /// False: the other end has closed.
   bool send(std::string_view bytes);
-  /// Reads one response, at most `seconds` long; `is_head`: none has a body.
-  [[nodiscard]] WireResponse receive(double seconds = 60, bool is_head = false);
+  /// Reads one response, for at most `seconds`, which only what hangs misses; `is_head`: none has a
+  /// body.
+  [[nodiscard]] WireResponse receive(double seconds = 300, bool is_head = false);
   /// Reads until `ending` has come; all that came.
   [[nodiscard]] std::string receive_until(std::string_view ending, double seconds = 60);
   /// True if the other end closes within the time; what comes before is thrown away.
