@@ -6,6 +6,7 @@
 #include <limits>
 #include <optional>
 #include <set>
+#include <span>
 #include <utility>
 
 #include "core/design/facets/enclosed.hpp"
@@ -17,6 +18,7 @@ namespace {
 
 constexpr std::size_t kMostDrops = 8, kMostPaintings = 60, kMostTried = 600,
                       kMostTriedRoughly = 150;
+constexpr int kManyIdle = 20;
 constexpr int kMostTries = 8, kShiftRounds = 14, kMostBridges = 4;
 constexpr double kLeastHeld = 0.05;        ///< less is rounding
 constexpr double kDearer = 2.0;            ///< than the best move of a round
@@ -58,6 +60,7 @@ class Repairer {
         how_(how),
         out_(out),
         tries_(static_cast<std::size_t>(card.grid().strips), 0),
+        holds_nothing_(static_cast<std::size_t>(card.grid().strips)),
         most_tried_(how.rough ? kMostTriedRoughly : kMostTried),
         work_(work_of(card.holding)) {}
 
@@ -86,8 +89,30 @@ class Repairer {
     work_ += work_of(card_.holding);
   }
 
+  /// After many rounds in which no move held anything: those of one strip are not looked at again
+  /// before something in it or beside it changes, or until another move holds something.
+  void remember(std::span<const Move> tried) {
+    if (++idle_rounds_ < kManyIdle) return;
+    for (const Move& move : tried)
+      if (move.strips.size() == 1)
+        holds_nothing_[static_cast<std::size_t>(move.strips[0].strip)].insert(
+            move.strips[0].labels);
+  }
+  void forget_beside(int s) {
+    for (int k = std::max(0, s - 1); k <= std::min(card_.grid().strips - 1, s + 1); ++k)
+      holds_nothing_[static_cast<std::size_t>(k)].clear();
+  }
+  void forget_all() {
+    for (auto& labels : holds_nothing_) labels.clear();
+  }
+  [[nodiscard]] bool is_remembered(const NewStrips& strips) const {
+    return strips.size() == 1 &&
+           holds_nothing_[static_cast<std::size_t>(strips[0].strip)].contains(strips[0].labels);
+  }
+
   void add(Move::Kind kind, NewStrips strips, std::vector<Move>& moves) {
-    if (std::any_of(strips.begin(), strips.end(), [&](const NewStrip& one) {
+    if (is_remembered(strips) ||
+        std::any_of(strips.begin(), strips.end(), [&](const NewStrip& one) {
           return was_given_up(one) || card_.labelling.is_fixed(one.strip);
         }))
       return;
@@ -152,7 +177,8 @@ class Repairer {
     // What costs so much that it would have to hold far more than any yet is not looked at.
     std::vector<std::pair<double, const Move*>> good;
     double least_price = std::numeric_limits<double>::infinity(), most_held = 1.0;
-    for (std::size_t k = 0; k < all.size(); ++k) {
+    std::size_t k = 0;
+    for (; k < all.size(); ++k) {
       const Move& move = all[k];
       if (k >= most_tried_ && (!good.empty() || k >= kOnUntilOne * most_tried_)) break;
       if (move.cost > (kDearer * least_price + 1e-6) * kHoldsMore * most_held) break;
@@ -164,7 +190,11 @@ class Repairer {
       good.emplace_back(price, &move);
       least_price = std::min(least_price, price), most_held = std::max(most_held, held);
     }
-    if (good.empty()) return false;
+    if (good.empty()) {
+      remember(std::span(all).first(k));
+      return false;
+    }
+    forget_all();
     std::stable_sort(good.begin(), good.end(),
                      [](const auto& a, const auto& b) { return a.first < b.first; });
     const double dearest =
@@ -215,6 +245,7 @@ class Repairer {
     const LoosePatch& smallest = loose.front();
     for (const LabelBan& cell : smallest.cells)
       given_up_.emplace(cell.strip, labels_of(card_.image(), cell.strip));
+    for (const LabelBan& cell : smallest.cells) forget_beside(cell.strip);
     if (how_.jumps) {
       take(painted_over(card_, smallest, false));
     } else {
@@ -249,15 +280,17 @@ class Repairer {
     }
     ++out_.dropped;
     fill_enclosed(image, card_.planes(), card_.rule.min_panel_mm);
+    forget_all();
     take(image);
   }
 
   LabelCard& card_;
   RepairOptions how_;
   FacetRepair& out_;
-  std::vector<int> tries_;  ///< changes of each strip
+  std::vector<int> tries_;                                   ///< changes of each strip
+  std::vector<std::set<std::vector<Label>>> holds_nothing_;  ///< labels for each strip (`remember`)
   std::set<std::pair<int, std::vector<Label>>> given_up_;
-  int round_{};
+  int round_{}, idle_rounds_{};
   std::size_t most_tried_, work_;
 };
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 #include "core/rigid/mobility.hpp"
 
@@ -30,6 +31,35 @@ std::vector<double> least_apart(const LabelPatches& p, const FacetGrid& grid,
   return out;
 }
 
+/// The numbers of two patches, the smaller one first.
+using Meeting = std::pair<std::uint32_t, std::uint32_t>;
+
+/// The pairs of patches that meet in folds, in order, each once.
+/// @param holds  says of a pair that meets in so many strips whether that holds
+template <typename Holds>
+std::vector<Meeting> folds_of(const LabelPatches& p, const Holds& holds) {
+  const Buckets<std::uint32_t> by_greater(p.count, [&](auto&& put) {
+    for (std::size_t r = 1; r < p.runs.size(); ++r)
+      if (p.runs[r].folds_on) {
+        const auto [a, b] = std::minmax(p.patch[r - 1], p.patch[r]);
+        put(b, a);
+      }
+  });
+  const Buckets<std::uint32_t> by_less(p.count, [&](auto&& put) {
+    for (std::uint32_t b = 0; b < p.count; ++b)
+      for (const std::uint32_t a : by_greater[b]) put(a, b);
+  });
+  std::vector<Meeting> out;
+  for (std::uint32_t a = 0; a < p.count; ++a) {
+    const auto strips = by_less[a];
+    for (std::size_t first = 0, last = 0; first < strips.size(); first = last) {
+      while (last < strips.size() && strips[last] == strips[first]) ++last;
+      if (const Meeting pair(a, strips[first]); holds(pair, last - first)) out.push_back(pair);
+    }
+  }
+  return out;
+}
+
 /// The patches seen along the spine; neighbours by growing number, each once.
 rigid::Section section_of(const LabelPatches& p, const FacetPlanes& planes, const FacetGrid& grid,
                           const HoldRule& rule) {
@@ -40,29 +70,16 @@ rigid::Section section_of(const LabelPatches& p, const FacetPlanes& planes, cons
     out.upright[p.patch[r]] = plane.upright ? 1 : 0;
     out.offset[p.patch[r]] = plane.offset;
   }
-  Buckets<std::uint32_t> greater(p.count, [&](auto&& put) {
-    for (std::size_t r = 1; r < p.runs.size(); ++r)
-      if (p.runs[r].folds_on) {
-        const auto [a, b] = std::minmax(p.patch[r - 1], p.patch[r]);
-        put(a, b);
-      }
+  const auto spine = std::minmax(p.patch[0], p.patch[1]);
+  const std::vector<Meeting> folds = folds_of(p, [&](const Meeting& pair, std::size_t strips) {
+    // The spine goes on in the margins.
+    return pair == Meeting(spine) ||
+           is_joint(static_cast<double>(strips) * grid.strip_mm, rule.min_fold_mm);
   });
-  for (std::uint32_t a = 0; a < p.count; ++a) std::sort(greater[a].begin(), greater[a].end());
-  const std::pair<std::uint32_t, std::uint32_t> spine = std::minmax(p.patch[0], p.patch[1]);
   out.folds = Buckets<std::uint32_t>(p.count, [&](auto&& put) {
-    for (std::uint32_t a = 0; a < p.count; ++a) {
-      const auto strips = greater[a];
-      for (auto first = strips.begin(); first != strips.end();) {
-        const auto last = std::upper_bound(first, strips.end(), *first);
-        // The spine goes on in the margins.
-        const bool is_spine = a == spine.first && *first == spine.second;
-        if (is_spine ||
-            is_joint(static_cast<double>(last - first) * grid.strip_mm, rule.min_fold_mm)) {
-          put(a, *first);
-          put(*first, a);
-        }
-        first = last;
-      }
+    for (const auto& [a, b] : folds) {
+      put(a, b);
+      put(b, a);
     }
   });
   return out;
