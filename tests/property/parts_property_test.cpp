@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <initializer_list>
 #include <random>
 #include <string>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -304,6 +306,65 @@ TEST_CASE("random gabled houses hold in paper, with at most 12 panels and 1 % of
     CHECK(sound->made.error() < 0.01);
     CHECK(sound->report.wobble_mm.value_or(9.0) <= 1.0);
   }
+}
+
+namespace {
+
+/// A house with a flat or a pyramid roof, from `from` to `to` along the spine, for an OBJ file that
+/// has `corners` corners before it.
+std::string row_house_obj(std::mt19937& random, double from, double to, int& corners) {
+  const double half = uniform(random, 10.0, 28.0), walls = uniform(random, 10.0, 65.0),
+               rise = uniform(random, 6.0, 36.0), middle = 0.5 * (from + to);
+  std::string out;
+  for (const double z : {0.0, walls})
+    for (const auto& [x, y] : {std::pair(-half, from), {half, from}, {half, to}, {-half, to}})
+      out += fmt::format("v {} {} {}\n", x, y, z);
+  const int b = corners;
+  const auto face = [&](std::initializer_list<int> of) {
+    out += "f";
+    for (const int k : of) out += fmt::format(" {}", b + k);
+    out += "\n";
+  };
+  face({4, 3, 2, 1});
+  for (const auto& [p, q] : {std::pair(1, 2), {2, 3}, {3, 4}, {4, 1}}) face({p, q, q + 4, p + 4});
+  corners += 8;
+  if (whole(random, 0, 1) == 0) {
+    face({5, 6, 7, 8});
+    return out;
+  }
+  out += fmt::format("v 0 {} {}\n", middle, walls + rise);
+  for (const auto& [p, q] : {std::pair(5, 6), {6, 7}, {7, 8}, {8, 5}}) face({p, q, 9});
+  ++corners;
+  return out;
+}
+
+}  // namespace
+
+TEST_CASE("random rows of houses, however near to each other, are sound boxes or refused",
+          "[property][parts][boxes]") {
+  std::mt19937 random(kSeed + 4);
+  const auto spec = parse_design_spec(
+      R"({"popcut":1,"style":"boxes","surface":{"type":"mesh","file":"a.obj"},"boxes":{"most":9}})");
+  REQUIRE(spec);
+  const int count = testing::rounds(150, 10);
+  int made = 0;
+  for (int k = 0; k < count; ++k) {
+    std::string obj;
+    int corners = 0;
+    double at = 0.0;
+    for (int house = whole(random, 2, 3); house > 0; --house) {
+      const double length = uniform(random, 12.0, 70.0);
+      obj += row_house_obj(random, at, at + length, corners);
+      at += length + (whole(random, 0, 3) == 0 ? 0.0 : uniform(random, 2.0, 50.0));
+    }
+    CAPTURE(kSeed, k, obj);
+    const auto sound = judge::sound_boxes(*spec, {{"a.obj", obj}}, "test");
+    if (sound)
+      ++made;
+    else if (sound.error().kind != ErrorKind::Infeasible)
+      FAIL(message(sound.error()));
+  }
+  CHECK(made > count / 5);
 }
 
 // ---- glued roofs

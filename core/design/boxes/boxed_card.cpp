@@ -11,6 +11,7 @@
 
 #include <fmt/format.h>
 
+#include "core/design/boxes/box_ends.hpp"
 #include "core/design/layers/layered_card.hpp"
 #include "core/design/target/surface.hpp"
 #include "core/fit/fit.hpp"
@@ -22,7 +23,6 @@ namespace popcut {
 namespace {
 
 constexpr double kMargin_mm = 8.0;  ///< of the pages, around all that is shut or open
-constexpr double kTab_mm = 7.0;
 constexpr double kLeastSize_mm = 20.0;
 constexpr double kOnPage_mm = 0.05;       ///< what is no higher lies on the pages
 constexpr double kLeastShown = 0.5;       ///< of the target within `kShownWithin` of the boxes
@@ -31,16 +31,6 @@ constexpr std::size_t kFilledBeyond = 2;  ///< of `FitFigures::kWithin`: 5 % of 
 constexpr double kMostMisfit = 0.12;      ///< volume that differs, seen from above
 constexpr double kMostEaves = 0.97;       ///< of the longest that can shut
 constexpr double kFar_mm = 1e4;
-// What holds the ends of a box: found with verify's wobble on random boxes.
-constexpr double kHeldBend_rad = radians(3.5);  ///< of each half, with an inner wall
-constexpr double kFreeBend_rad = radians(8.0);  ///< without one
-constexpr double kSlim = 2.0;                   ///< height over half width; above, ends lean more
-constexpr double kSlimBend_rad = radians(0.9), kMostBend_rad = radians(14.0);
-constexpr double kHipBend_rad = radians(12.0),
-                 kMostHipBend_rad = radians(18.0);  ///< of a pyramid's slopes at its ends
-constexpr double kPitch_rad = radians(6.5);         ///< of a flat roof
-constexpr double kInner = 0.9;  ///< height of an inner wall, of that of the walls
-constexpr double kFinger_mm = 20.0;
 
 struct Size {
   Vec3 low, high;
@@ -77,30 +67,6 @@ Result<TriangleSoup> upright_target(const DesignSpec& spec, const SurfaceAssets&
   return soup;
 }
 
-BoxElement box_of(const Block& block) {
-  BoxElement out;
-  out.from_mm = block.from_mm, out.to_mm = block.to_mm;
-  out.half_mm = block.half_mm, out.height_mm = block.height_mm;
-  out.rise_mm = block.rise_mm;
-  out.eaves_mm = block.eaves_mm, out.verge_mm = block.verge_mm;
-  out.lid = block.roof == BlockRoof::Pyramid ? BoxLid::Pyramid : BoxLid::Gabled;
-  if (block.roof == BlockRoof::Flat) {
-    // Half of the pitch above the shape's roof, and half below.
-    out.rise_mm = block.half_mm * std::tan(kPitch_rad);
-    out.height_mm -= 0.5 * out.rise_mm;
-    out.eaves_mm = 0.0, out.verge_mm = {0.0, 0.0};
-  }
-  return out;
-}
-
-TentElement tent_of(const Block& block) {
-  TentElement out;
-  out.from_mm = block.from_mm, out.to_mm = block.to_mm;
-  out.left_foot_mm = out.right_foot_mm = block.half_mm;
-  out.left_panel_mm = out.right_panel_mm = std::hypot(block.half_mm, block.rise_mm);
-  return out;
-}
-
 /// Shortens eaves that would pass through the pages as the card shuts, and makes room between
 /// blocks that touch.
 void make_foldable(BlockRow& row, double thickness_mm, std::vector<Warning>& warnings) {
@@ -125,59 +91,10 @@ void make_foldable(BlockRow& row, double thickness_mm, std::vector<Warning>& war
 
 const char* word_of(const Block& block) { return block.is_tent() ? "tent" : "box"; }
 
-/// Whether the slope at an end of a pyramid, which folds outward over the block beside it, would go
-/// through its roof.
-bool meets_roof(const BoxElement& pyramid, const BoxElement& other) {
-  constexpr double kClear_mm = 0.5;
-  for (double c = 0.0; c <= 1.0; c += 1.0 / 64.0) {
-    const double low = pyramid.height_mm + pyramid.half_mm * c,
-                 foot = hip_foot(pyramid, 2.0 * std::acos(c)).y();
-    const double b = other.half_mm, walls = other.height_mm + b * c,
-                 rise = std::hypot(other.rise_mm, b * c);
-    const double corner = walls + rise * std::max(0.0, 1.0 - pyramid.half_mm / b);
-    if (low + foot < walls + rise + kClear_mm || low < corner + kClear_mm) return true;
-  }
-  return false;
-}
-
-/// Bends the ends of a box, and lets an inner wall hold them, so that their middles move by at most
-/// 1 mm in paper. Ends beside another box fold inward.
-void make_firm(BoxElement& box, bool touches_before, bool touches_after) {
-  box.ends_out = {!touches_before, touches_before && !touches_after};
-  const bool is_held = box.ends_out[0] != box.ends_out[1] && box.half_mm > kTab_mm + 1.0;
-  const double slim = std::max(0.0, box.height_mm / box.half_mm - kSlim);
-  const double bend_rad = (is_held ? kHeldBend_rad : kFreeBend_rad) + slim * kSlimBend_rad;
-  box.bend_mm = box.half_mm * std::tan(std::min(bend_rad, kMostBend_rad));
-  if (box.lid == BoxLid::Pyramid)
-    box.hip_bend_mm =
-        box.half_mm * std::tan(std::min(kHipBend_rad + slim * kSlimBend_rad, kMostHipBend_rad));
-  if (is_held) box.inner_mm = kInner * box.height_mm;
-  // Below a spire it leaves room for a finger that presses the spire's tabs.
-  if (is_held && box.lid == BoxLid::Pyramid && box.half_mm < kFinger_mm)
-    box.inner_mm =
-        std::clamp(box.height_mm - kTab_mm - box.half_mm - 2.0, 0.5 * box.inner_mm, box.inner_mm);
-  if (touches_before || touches_after) return;
-  // Half of the bend in front of the shape's ends, and half behind.
-  const double by = 0.5 * box.bend_mm;
-  box.from_mm += by, box.to_mm += by;
-  box.verge_mm = {box.verge_mm[0] + by, std::max(0.0, box.verge_mm[1] - by)};
-}
-
-/// Whether a block opens and shuts beside others (`CanStand`). A pyramid that stands with all of
-/// its slopes stands without one, too.
-bool can_stand(Block block, bool touches_before, bool touches_after) {
-  if (block.is_tent()) return can_move(tent_of(block)).has_value();
-  const double half_gap = 0.5 * Structure{}.thickness_mm;
-  if (touches_before) block.from_mm += half_gap;
-  if (touches_after) block.to_mm -= half_gap;
-  block.eaves_mm = 0.0;  // too long ones are shortened
-  BoxElement box = box_of(block);
-  make_firm(box, touches_before, touches_after);
-  return can_move(box).has_value();
-}
-
 /// Builds the blocks on a card, whatever its pages are.
 Result<void> add_blocks(const BlockRow& row, BoxedCard& out) {
+  const auto boxes = firm_boxes(row);
+  if (!boxes) return tl::unexpected(boxes.error());
   for (std::size_t k = 0; k < row.blocks.size(); ++k) {
     const Block& block = row.blocks[k];
     const std::size_t first = out.card.parts.size();
@@ -189,24 +106,14 @@ Result<void> add_blocks(const BlockRow& row, BoxedCard& out) {
       build(out.card, spine_of(out.card), element);
       return {};
     };
-    Result<void> done;
-    BoxElement box;
-    if (block.is_tent()) {
-      done = put(tent_of(block));
-    } else {
-      box = box_of(block);
-      const bool after = k > 0 && row.touches[k - 1], before = row.touches[k];
-      make_firm(box, after, before);
-      box.has_hips = {!after || !meets_roof(box, box_of(row.blocks[k - 1])),
-                      !before || !meets_roof(box, box_of(row.blocks[k + 1]))};
-      done = put(box);
-    }
+    const BoxElement box = block.is_tent() ? BoxElement{} : (*boxes)[k];
+    const auto done = block.is_tent() ? put(tent_of(block)) : put(box);
     if (!done) return done;
     CardBox made;
     made.name = name, made.block = block;
     made.first_part = first, made.parts = out.card.parts.size() - first;
     made.inner_mm = box.inner_mm, made.bend_mm = box.bend_mm;
-    made.off_mm = box.bend_mm - std::max(0.0, box.from_mm - block.from_mm);
+    made.off_mm = block.is_tent() ? 0.0 : box.bend_mm - std::abs(box.from_mm - block.from_mm);
     if (box.inner_mm > 0.0) made.inner_part = out.card.parts.size() - 1;
     for (std::size_t p = first; p < out.card.parts.size(); ++p)
       made.panels += out.card.parts[p].faces.size() - out.card.parts[p].tabs.size();
@@ -360,7 +267,10 @@ Result<BoxedCard> boxed_card(const DesignSpec& spec, const SurfaceAssets& assets
   constexpr const char* kNoBoxes =
       "has no boxes: a card of them needs upright walls at right angles to each other, and flat or "
       "gabled roofs; for other shapes use the style layers or slices";
-  BlockRows rows = block_rows(*target, {}, can_stand);
+  const double thickness_mm = out.card.thickness_mm;
+  BlockRows rows = block_rows(*target, {}, [&](const Block& block, bool before, bool after) {
+    return can_stand(block, before, after, thickness_mm);
+  });
   // Where none can stand that is near enough, the nearest says why not.
   const bool stands = !rows.standing.empty() && rows.standing.misfit <= kMostMisfit;
   BlockRow row = std::move(stands ? rows.standing : rows.nearest);
@@ -380,7 +290,7 @@ Result<BoxedCard> boxed_card(const DesignSpec& spec, const SurfaceAssets& assets
                         ? fmt::format("a card has at most {}, so give a part of it", kMostBoxes)
                         : fmt::format("give {}", row.blocks.size())));
   out.card.name = spec.name;
-  out.card.tab_mm = kTab_mm;
+  out.card.tab_mm = kBoxTab_mm;
   make_foldable(row, out.card.thickness_mm, out.warnings);
   const auto empty_card = [&](double page_mm, double length_mm) {
     Structure card = plain_card(page_mm, length_mm);
