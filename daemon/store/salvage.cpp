@@ -39,12 +39,18 @@ int version_of(Database& damaged) {
 Salvage::Table bring_over(Database& from, Database& to, const std::string& table) {
   Salvage::Table report{.name = table};
   std::vector<std::string> columns = columns_of(to, table, "1");
-  if (version_of(from) < kSchemaVersion) {
+  try {
+    // What both have: its version does not say which columns a database really has.
     const std::vector<std::string> known = columns_of(from, table, "1");
     std::erase_if(columns, [&](const std::string& column) {
       return std::find(known.begin(), known.end(), column) == known.end();
     });
-    if (columns.empty()) return report;
+  } catch (const StoreFault&) {
+    columns.clear();
+  }
+  if (columns.empty()) {
+    report.whole = version_of(from) < kSchemaVersion;
+    return report;
   }
   const std::vector<std::string> keys = columns_of(to, table, "pk > 0 ORDER BY pk");
   const std::string names = fmt::format("{}", fmt::join(columns, ","));

@@ -156,9 +156,13 @@ TEST_CASE("the schema itself keeps the rules that matter most", "[daemon][store]
   db.script("PRAGMA foreign_keys=OFF");
   const auto job = [&](const std::string& id, const std::string& state, const std::string& device) {
     db.run(
-        "INSERT INTO job VALUES(?, 1, ?, '', '', '', '', 'o', '', '', ?, 'd', "
-        "'01J0000000000000000000PLAN', 'm', 0, 0, 1, 0, 2, 1, 1, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, "
-        "NULL, NULL, '', '[]', '', '', 0, 0, '', '[]', '', '', '')",
+        "INSERT INTO job(id, rev, state, device, reason, asked, name, note, owner, operator, "
+        "requested_device, design, plan, material, priority, position, copies, held, sheets_total, "
+        "sheet, blank, segment, first_stroke, paths_certain, paths_sent, paths_total, done_paths, "
+        "done_mm, low_s, high_s, created, outcome, tags, attention_kind, attention_text, "
+        "attention_since) VALUES(?, 1, ?, ?, '', '', '', '', 'o', '', '', 'd', "
+        "'01J0000000000000000000PLAN', 'm', 0, 0, 1, 0, 2, 1, 1, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, '', "
+        "'[]', '', '', 0)",
         id, state, device);
   };
   job("01J00000000000000000000001", "cutting", "sim:a");
@@ -247,6 +251,29 @@ TEST_CASE("a database of an older popcutd is brought into this version by salvag
   CHECK(now.number("SELECT count(*) FROM material WHERE id='kept'") == 1);
   CHECK(now.number("SELECT count(*) FROM calendar") == 0);
   CHECK(now.number("SELECT count(*) FROM pragma_table_info('plan') WHERE name='handwork'") == 1);
+}
+
+TEST_CASE("salvage keeps the rows of tables that lack a column, whatever their version says",
+          "[daemon][store]") {
+  const TempFolder scratch{TempFolder::Place::Memory};
+  const std::string state = (scratch / "state").string();
+  add_token(open(scratch).value()->database(), "kept");
+  {
+    SqliteDatabase other({.path = state + "/popcut.db", .create = false, .exclusive_wal = false});
+    other.script(
+        "ALTER TABLE plan DROP COLUMN handwork; ALTER TABLE material ADD COLUMN more TEXT");
+    other.run("UPDATE material SET more='m'");
+    other.checkpoint(true);
+  }
+  for (const char* beside : {"/database-state", "/witness"}) fs::remove(state + beside);
+  const auto done = salvage(state);
+  REQUIRE(done);
+  for (const auto& table : done->tables) {
+    CAPTURE(table.name);
+    CHECK(table.whole);
+  }
+  CHECK(open(scratch).value()->database().number("SELECT count(*) FROM material WHERE id='kept'") ==
+        1);
 }
 
 TEST_CASE("a missing or empty or foreign database is never replaced silently", "[daemon][store]") {
