@@ -62,6 +62,7 @@ std::vector<CutLine> lines_on_page(const Pattern& pattern, bool folds) {
   std::sort(ends.begin(), ends.end());
   ends.erase(std::unique(ends.begin(), ends.end()), ends.end());
   std::vector<CutLine> out;
+  out.reserve(ends.size());
   for (const auto& [from, to] : ends) out.push_back({from, to});
   return out;
 }

@@ -70,8 +70,8 @@ ColourImage slab_view(const LayeredCard& made, const ColourMesh& mesh, const Sla
     if (!std::isfinite(seen[k].rank[0])) continue;
     const std::uint32_t t = seen[k].triangle;
     if (lit[t] < 0.0F) lit[t] = static_cast<float>(brightness(in_front, t, {shade, {}}));
-    const double a = static_cast<double>(seen[k].weights[0]),
-                 b = static_cast<double>(seen[k].weights[1]);
+    const auto a = static_cast<double>(seen[k].weights[0]),
+               b = static_cast<double>(seen[k].weights[1]);
     std::array<PagePoint, 3> at;
     for (std::size_t n = 0; n < 3; ++n) at[n] = page(mesh.soup.corner(t, n));
     const double pixels = 0.5 *

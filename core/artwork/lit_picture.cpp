@@ -39,7 +39,7 @@ PixelFrame frame_of(const ColourMesh& mesh, const Rays& rays, std::size_t width,
   Box box;
   for (std::size_t t = 0; t < mesh.size(); ++t)
     for (std::size_t k = 0; k < 3; ++k) box.add(rays.place(mesh.soup.corner(t, k)));
-  const double w = static_cast<double>(width), h = static_cast<double>(height);
+  const auto w = static_cast<double>(width), h = static_cast<double>(height);
   const double pixel =
       std::max({box.width() / w, box.height() / h, 1e-9}) / std::max(0.1, 1 - 2 * rim);
   return {0.5 * (box.x0 + box.x1) - 0.5 * w * pixel, 0.5 * (box.y0 + box.y1) - 0.5 * h * pixel,
@@ -157,8 +157,8 @@ class Scene {
     const std::size_t at = j * seen_.frame.width + i;
     if (seen_.depth_mm[at] == kNothing) return {};
     const std::size_t t = seen_.triangle[at];
-    const double a = static_cast<double>(seen_.weights[at][0]);
-    const double b = static_cast<double>(seen_.weights[at][1]);
+    const auto a = static_cast<double>(seen_.weights[at][0]);
+    const auto b = static_cast<double>(seen_.weights[at][1]);
     const std::array<double, 3> w{a, b, 1 - a - b};
     const auto p = corners_of(mesh_, t);
     const Vec3 place = w[0] * p[0] + w[1] * p[1] + w[2] * p[2];

@@ -107,7 +107,7 @@ class SeenModel {
         if (!(i >= 0 && j >= 0 && i < static_cast<double>(frame_.width) &&
               j < static_cast<double>(frame_.height)))
           continue;
-        const double there = static_cast<double>(
+        const auto there = static_cast<double>(
             nearest_[static_cast<std::size_t>(j) * frame_.width + static_cast<std::size_t>(i)]);
         if (depth(p) + slack >= there) return true;
       }

@@ -160,7 +160,8 @@ class Printing {
     if (!(at.x > -0.5 && at.y > -0.5 && at.x < static_cast<double>(from.width) - 0.5 &&
           at.y < static_cast<double>(from.height) - 0.5))
       return;
-    const auto x = static_cast<std::size_t>(at.x + 0.5), y = static_cast<std::size_t>(at.y + 0.5);
+    const auto x = static_cast<std::size_t>(std::floor(at.x + 0.5)),
+               y = static_cast<std::size_t>(std::floor(at.y + 0.5));
     if (inside && artwork_.on_paper[y * from.width + x] != 0) kept_[j * out_.frame.width + i] = 1;
     const Colour colour = colour_between(artwork_.image, at.x, at.y);
     if (colour.a > 0) out_.image.set(i, j, colour);

@@ -293,6 +293,7 @@ PrintedFigures PrintedTarget::measure(Triangles structure, Buffers& buffers) con
 
 PrintedFigures PrintedTarget::measure_layers(std::span<const PrintedLayer> layers) const {
   std::vector<Seen> prints;
+  prints.reserve(layers.size());
   for (const PrintedLayer& layer : layers) prints.push_back(print_of(layer));
   Buffers buffers;
   return compared(buffers, [&](const Seen& seen, DepthImage& image, std::vector<Lab>& own) {
@@ -308,6 +309,7 @@ PrintedFigures PrintedTarget::measure_layers(std::span<const PrintedLayer> layer
 
 PrintedFigures PrintedTarget::measure_panels(std::span<const PrintedPanel> panels) const {
   std::vector<Seen> prints;
+  prints.reserve(panels.size());
   for (const PrintedPanel& panel : panels) prints.push_back(print_of(panel));
   Buffers buffers;
   return compared(buffers, [&](const Seen& seen, DepthImage& image, std::vector<Lab>& own) {

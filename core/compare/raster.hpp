@@ -98,10 +98,10 @@ void Raster::triangle(Corner a, Corner b, Corner c, Span&& span) const {
   const auto y_last = std::min<std::int64_t>(pixels_ - 1, last_of(top));
   if (x_first > x_last || y_first > y_last) return;
 
-  const double area = static_cast<double>(twice);
-  const double ux = static_cast<double>(q.x - p.x), uy = static_cast<double>(q.y - p.y);
-  const double vx = static_cast<double>(r.x - p.x), vy = static_cast<double>(r.y - p.y);
-  const double grid = static_cast<double>(kGrid);
+  const auto area = static_cast<double>(twice);
+  const auto ux = static_cast<double>(q.x - p.x), uy = static_cast<double>(q.y - p.y);
+  const auto vx = static_cast<double>(r.x - p.x), vy = static_cast<double>(r.y - p.y);
+  const auto grid = static_cast<double>(kGrid);
   const double slope = ((b.t - a.t) * vy - (c.t - a.t) * uy) / area * grid;  // a pixel
   const double rise = ((c.t - a.t) * ux - (b.t - a.t) * vx) / area * grid;
   const auto low = static_cast<float>(std::min({a.t, b.t, c.t}));

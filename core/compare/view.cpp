@@ -2,6 +2,7 @@
 #include "core/compare/view.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -71,7 +72,7 @@ View risen_view(double turn_rad, double rise_rad) {
 Box box_of(Triangles triangles) {
   constexpr double kFar = std::numeric_limits<double>::infinity();
   Box box{Vec3(kFar, kFar, kFar), Vec3(-kFar, -kFar, -kFar)};
-  float low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
+  std::array<float, 3> low{INFINITY, INFINITY, INFINITY}, high{-INFINITY, -INFINITY, -INFINITY};
   for (std::size_t k = 0; k + 2 < triangles.size(); k += 3)
     for (std::size_t i = 0; i < 3; ++i) {
       low[i] = std::min(low[i], triangles[k + i]);

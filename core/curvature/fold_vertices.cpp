@@ -2,6 +2,7 @@
 #include "core/curvature/fold_vertices.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -136,7 +137,7 @@ class VertexFinder {
   void choose_connectors() {
     std::vector<std::vector<std::uint32_t>> row;
     const auto close_row = [&](std::size_t end) {
-      double sum[2]{}, count[2]{};
+      std::array<double, 2> sum{}, count{};
       for (std::size_t k = 0; k < row.size(); ++k) {
         sum[k % 2] += static_cast<double>(row[k].size());
         ++count[k % 2];

@@ -368,6 +368,7 @@ class Scene {
   [[nodiscard]] int time_track(const PoseTable& table, const std::vector<std::size_t>& keys) {
     const double from = table.psi_rad.front(), to = table.psi_rad.back();
     std::vector<float> times;
+    times.reserve(keys.size());
     for (const std::size_t k : keys)
       times.push_back(
           static_cast<float>(options_.seconds * (table.psi_rad[k] - from) / (to - from)));

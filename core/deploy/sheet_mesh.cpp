@@ -221,7 +221,7 @@ Result<SheetMesh> solid_mesh(const Pattern& pattern, double thickness_mm) {
   SheetMesh mesh = mesh_of(*faces);  // the fronts; corner i of the back is count + i
   mesh.at.reserve(2 * faces->corner.size());
   for (std::uint32_t i = 0; i < count; ++i) {
-    mesh.at.push_back(mesh.at[i] - Vec3{0, 0, thickness_mm / 2});
+    mesh.at.emplace_back(mesh.at[i] - Vec3{0, 0, thickness_mm / 2});
     mesh.at[i][2] += thickness_mm / 2;
     mesh.body.push_back(mesh.body[i]);
   }

@@ -209,7 +209,7 @@ class Binder {
     return {};
   }
 
-  [[nodiscard]] Error in_card(std::size_t card, Error error) const {
+  [[nodiscard]] static Error in_card(std::size_t card, Error error) {
     error.detail = fmt::format("card {} of the book: {}", card + 1, error.detail);
     return error;
   }

@@ -162,7 +162,7 @@ class Designer {
   }
 
   /// H, D and the margins: as asked for, or large enough for all wall and ground ends.
-  Result<CardFrame> frame(const std::vector<Run>& runs) const {
+  [[nodiscard]] Result<CardFrame> frame(const std::vector<Run>& runs) const {
     const Reach reach = reach_of(runs);
     CardFrame out;
     double wall = reach.wall_mm, ground = reach.ground_mm;
@@ -219,7 +219,7 @@ class Designer {
     return true;
   }
 
-  Result<Laid> lay_strips(RunLayout layout) const {
+  [[nodiscard]] Result<Laid> lay_strips(RunLayout layout) const {
     Laid out;
     out.layout = std::move(layout);
     auto framed = frame(out.layout.runs);
@@ -294,7 +294,7 @@ class Designer {
   }
 
   /// Strips with their figures; none where a connector is not valid.
-  Result<Laid> lay_measured(RunLayout layout) const {
+  [[nodiscard]] Result<Laid> lay_measured(RunLayout layout) const {
     auto laid = lay_strips(std::move(layout));
     if (laid && laid->strips.apart.empty()) add_figures(*laid);
     return laid;
@@ -424,7 +424,7 @@ class Designer {
     return work;
   }
 
-  Result<Laid> lay_trial(LatticeMethod one) const {
+  [[nodiscard]] Result<Laid> lay_trial(LatticeMethod one) const {
     RunLayout layout = lay_runs(sliced_, cut_after_, spec_);
     if (auto filled = fill_planes(layout, one, progress_); !filled)
       return tl::unexpected(filled.error());
@@ -456,7 +456,7 @@ class Designer {
 
   /// The conformal lattice without the default limit of steps, when that makes it exact and its
   /// longest step stays moderate. A limit that the user asked for is kept.
-  std::optional<Laid> lay_relaxed(const LatticeFigures& limited) const {
+  [[nodiscard]] std::optional<Laid> lay_relaxed(const LatticeFigures& limited) const {
     const double exact_mm = 1e-6 * sliced_.curves.front().h();
     if (spec_.max_step_asked || !spec_.max_step_over_mean || limited.inner_error.max_mm <= exact_mm)
       return std::nullopt;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -13,10 +14,10 @@ namespace popcut {
 
 /// What a material and a cutter can do, in mm. Zero or none: not checked.
 struct MakeLimits {
-  double shortest_fold_mm{};  ///< the shortest fold that is dashed well
-  double narrowest_mm{};      ///< of strips, slits and the paper between slits
-  double sheet_mm[2]{};       ///< the largest sheet, either way round
-  std::string sheet_name;     ///< whose it is: "sheet A3"
+  double shortest_fold_mm{};         ///< the shortest fold that is dashed well
+  double narrowest_mm{};             ///< of strips, slits and the paper between slits
+  std::array<double, 2> sheet_mm{};  ///< the largest sheet, either way round
+  std::string sheet_name;            ///< whose it is: "sheet A3"
 };
 
 /// What of a pattern is too fine or too large to be made: folds that are too short, strips, slits

@@ -162,7 +162,7 @@ class Assembler {
     BuiltPattern built;
     rigid::Mobility motion;
   };
-  Result<Laid> lay(std::size_t begin, std::size_t end, bool bridging) const {
+  [[nodiscard]] Result<Laid> lay(std::size_t begin, std::size_t end, bool bridging) const {
     std::vector<const Strips*> strips;
     for (std::size_t k = begin; k < end; ++k) strips.push_back(&made_[k].strips);
     Laid out;
@@ -246,8 +246,8 @@ class Assembler {
   }
 
   /// V-folds of patch k on its own part of a sheet.
-  Result<void> add_splay(std::size_t k, const JoinedStrips& joined, std::size_t in_part,
-                         Pattern& pattern) const {
+  [[nodiscard]] Result<void> add_splay(std::size_t k, const JoinedStrips& joined,
+                                       std::size_t in_part, Pattern& pattern) const {
     const auto& splay = spec_.patches[k].splay;
     if (!splay) return {};
     const std::int32_t first = joined.first_slice[in_part];

@@ -179,7 +179,7 @@ class Placer {
   }
 
   /// Designs the best ways and takes, of those that clearly reach most, the plainest.
-  Result<ProposedPlacement> choose() const {
+  [[nodiscard]] Result<ProposedPlacement> choose() const {
     std::vector<std::pair<Standing, Reached>> designed;
     std::optional<Error> refusal;
     int refused = 0;

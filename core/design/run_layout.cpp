@@ -23,7 +23,7 @@ RunLayout lay_runs(const Slicing& sliced, const std::vector<std::uint8_t>& cut_a
       continue;
     }
     int end = j + 1;
-    while (end < sliced.slices() && !cut_after[static_cast<std::size_t>(end - 1)]) ++end;
+    while (end < sliced.slices() && cut_after[static_cast<std::size_t>(end - 1)] == 0) ++end;
     const int units = sliced.units[static_cast<std::size_t>(j)];
     const bool halved = end == j + 1 && units >= 2;
     Run run{static_cast<int>(out.laid.size()), halved ? 2 : end - j, {}, {}, {}};
@@ -128,7 +128,7 @@ bool mark_loose(RunLayout& layout, const Strips& strips, const BuiltPattern& bui
         const std::size_t at =
             static_cast<std::size_t>(left) * static_cast<std::size_t>(run.planes.units + 1) +
             static_cast<std::size_t>(strips.level[p]);
-        any = any || !marks[at];
+        any = any || marks[at] == 0;
         marks[at] = 1;
       }
     }

@@ -29,7 +29,7 @@ CollinearIndex::Sizes CollinearIndex::sizes_of(std::span<const Segment> all) {
   if (all.empty()) return sizes;
   sizes.middle = {(box.x0 + box.x1) / 2, (box.y0 + box.y1) / 2};
   sizes.reach = std::hypot(box.width(), box.height()) / 2 + 1.0;
-  const double n = static_cast<double>(all.size());
+  const auto n = static_cast<double>(all.size());
   const double mean =
       sizes.shorts > 0 ? short_mm / static_cast<double>(sizes.shorts) : kLongSegment;
   // Queries of long segments also visit the cells of short ones: eight cells each on average.

@@ -188,7 +188,7 @@ std::vector<std::uint8_t> crowded_edges(std::span<const NodeEdge> list,
     box.add(s.b);
   }
   if (list.empty()) return {};
-  const double n = static_cast<double>(list.size());
+  const auto n = static_cast<double>(list.size());
   const auto mean = [](double mm, const std::vector<std::uint32_t>& of) {
     return of.empty() ? kLongSegment : mm / static_cast<double>(of.size());
   };

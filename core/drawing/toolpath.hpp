@@ -38,8 +38,10 @@ struct PenOperation {
   std::uint8_t pen{};
 
   constexpr PenOperation() = default;
+  // NOLINTBEGIN(google-explicit-constructor): who knows nothing of pens sees an operation
   constexpr PenOperation(Operation what, std::uint8_t with = 0) : operation(what), pen(with) {}
   constexpr operator Operation() const { return operation; }
+  // NOLINTEND(google-explicit-constructor)
   friend constexpr auto operator<=>(const PenOperation&, const PenOperation&) = default;
   friend constexpr bool operator==(const PenOperation&, const PenOperation&) = default;
   friend constexpr bool operator==(const PenOperation& a, Operation b) { return a.operation == b; }

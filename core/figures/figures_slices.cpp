@@ -107,8 +107,8 @@ Result<void> add_loss(PaperFigures& out) {
     int units;
     double loss;
   };
-  constexpr Golden kGoldens[] = {
-      {3, 0.277447270}, {5, 0.127341317}, {9, 0.058602581}, {100, 0.004679531}};
+  constexpr std::array kGoldens{Golden{3, 0.277447270}, Golden{5, 0.127341317},
+                                Golden{9, 0.058602581}, Golden{100, 0.004679531}};
   for (const Golden& golden : kGoldens) {
     const auto value = quarter_circle_loss(golden.units);
     if (!value) return tl::unexpected(value.error());

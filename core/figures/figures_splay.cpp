@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -58,7 +59,7 @@ struct Case {
   SplayPatch patch;
 };
 
-constexpr double kPsi[] = {0.16 * kPi, 0.28 * kPi, 0.47 * kPi};  // dome, developable, saddle
+constexpr std::array kPsi{0.16 * kPi, 0.28 * kPi, 0.47 * kPi};  // dome, developable, saddle
 
 /// Finds the units across. On a sheet the panels must be long enough for the widest V-fold, a
 /// = 1.15 w alpha, so that the pitch across depends on what is sought: repeated until it stays.
@@ -69,7 +70,7 @@ Result<double> solve_across(SplayPatch& patch) {
   for (int k = 0; k < kRounds; ++k) {
     if (patch.on_lattice) patch.pitch_across = kRoom * patch.w * across;
     const auto next = alpha_across_for_zero(patch, kPsi[1]);
-    if (!next) return next;
+    if (!next) return tl::unexpected(next.error());
     const bool settled = !patch.on_lattice || std::abs(*next - across) < 1e-15;
     across = *next;
     if (settled) break;
@@ -114,8 +115,8 @@ Result<void> add_patches(PaperFigures& out) {
   sheet.pitch_along = 2.2;
   sheet.on_lattice = true;
   sheet.alpha = 0.7;
-  Case cases[] = {{"pitch_w", "pitch w both ways", plot::kBlue, formula},
-                  {"sheet", "as it fits a sheet", plot::kRed, sheet}};
+  std::array cases{Case{"pitch_w", "pitch w both ways", plot::kBlue, formula},
+                   Case{"sheet", "as it fits a sheet", plot::kRed, sheet}};
   std::string csv = "patch,alpha,alpha_along,alpha_across,psi,K\n";
   plot::Panel panel;
   panel.title = "Fig. 3D: K of a splayed patch as it opens";

@@ -41,7 +41,7 @@ Result<AzimuthalError> azimuthal_error(int units, AzimuthalConvention convention
     out.value.push_back(off * off);
   };
   for (std::size_t i = 0; i < chain->x.size(); ++i) {
-    const double count = static_cast<double>(i);
+    const auto count = static_cast<double>(i);
     if (convention == AzimuthalConvention::Vertices) {
       add(chain->x[i], chain->z[i], count * step);
     } else if (i > 0) {
@@ -63,7 +63,7 @@ double log_log_slope(std::span<const double> x, std::span<const double> y) {
     const double a = std::log(x[k]), b = std::log(y[k]);
     sx += a, sy += b, sxx += a * a, sxy += a * b;
   }
-  const double n = static_cast<double>(x.size());
+  const auto n = static_cast<double>(x.size());
   return (n * sxy - sx * sy) / (n * sxx - sx * sx);
 }
 

@@ -2,6 +2,7 @@
 #include "core/fit/area_samples.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace popcut {
@@ -9,8 +10,8 @@ namespace {
 
 double area_of_triangle(const TriangleSoup& soup, std::size_t t) {
   const double* c = soup.corners.data() + 9 * t;
-  const double a[3] = {c[3] - c[0], c[4] - c[1], c[5] - c[2]};
-  const double b[3] = {c[6] - c[0], c[7] - c[1], c[8] - c[2]};
+  const std::array a{c[3] - c[0], c[4] - c[1], c[5] - c[2]};
+  const std::array b{c[6] - c[0], c[7] - c[1], c[8] - c[2]};
   const double x = a[1] * b[2] - a[2] * b[1], y = a[2] * b[0] - a[0] * b[2],
                z = a[0] * b[1] - a[1] * b[0];
   return 0.5 * std::sqrt(x * x + y * y + z * z);

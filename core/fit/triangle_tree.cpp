@@ -51,7 +51,7 @@ class TriangleTree::Builder {
  private:
   /// Each node halves at least once, so the depth is at most 32.
   std::uint32_t add_node(Range range) {
-    const std::uint32_t node = static_cast<std::uint32_t>(tree_.nodes_.size());
+    const auto node = static_cast<std::uint32_t>(tree_.nodes_.size());
     tree_.nodes_.emplace_back();
     const std::uint32_t middle = halve(range);
     const std::array<Range, 2> half{{{range.from, middle}, {middle, range.to}}};
@@ -128,15 +128,16 @@ TriangleTree::TriangleTree(const TriangleSoup& soup) { Builder(soup, *this).buil
 // Ericson, Real-Time Collision Detection (2005), section 5.1.5: the point is in the region of a
 // corner, of an edge, or of the inside.
 void TriangleTree::look_at(std::uint32_t place, const Vec3& p, Nearest& best) const {
+  using Place = std::array<double, 3>;
   const double* t = corners_.data() + 9 * static_cast<std::size_t>(place);
   const double* q = p.data();
-  double ab[3], ac[3], ap[3];
+  Place ab, ac, ap;
   for (std::size_t i = 0; i < 3; ++i) {
     ab[i] = t[3 + i] - t[i];
     ac[i] = t[6 + i] - t[i];
     ap[i] = q[i] - t[i];
   }
-  const auto dot3 = [](const double* a, const double* b) {
+  const auto dot3 = [](const Place& a, const Place& b) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
   };
   const double bb = dot3(ab, ab), bc = dot3(ab, ac), cc = dot3(ac, ac);
@@ -161,12 +162,13 @@ void TriangleTree::look_at(std::uint32_t place, const Vec3& p, Nearest& best) co
     const double all = va + vb + vc;
     v = vb / all, w = vc / all;
   }
-  double point[3], squared = 0.0;
+  Place point;
+  double squared = 0.0;
   for (std::size_t i = 0; i < 3; ++i) {
     point[i] = t[i] + v * ab[i] + w * ac[i];
     squared += (q[i] - point[i]) * (q[i] - point[i]);
   }
-  if (squared < best.squared) best = {squared, place, Vec3(point)};
+  if (squared < best.squared) best = {squared, place, Vec3(point.data())};
 }
 
 TriangleTree::Nearest TriangleTree::nearest(const Vec3& p, std::uint32_t hint) const {

@@ -45,7 +45,7 @@ class CellGrid {
       along_v += most.y() - least.y();
     }
     // Cells have the shapes' own proportions, so that thin parallel strips do not share a cell.
-    const double n = static_cast<double>(shapes);
+    const auto n = static_cast<double>(shapes);
     const auto size = [&](double sum, double side) {
       return std::max({sum / n, side / std::sqrt(4.0 * n + 16.0) / 4.0, side / 30'000.0, 1e-12});
     };

@@ -2,6 +2,7 @@
 #include "core/geometry/kite.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -42,9 +43,9 @@ KitePoint KiteSection::posed(double x, double z, double psi_rad) const {
 KitePoint KiteSection::r() const { return posed(q.x, e.z, 0.5 * kPi); }
 
 double KiteSection::depth_mm(double across_mm) const {
-  const KitePoint corners[] = {q, r(), e};
+  const std::array corners{q, r(), e};
   double depth = std::numeric_limits<double>::quiet_NaN();
-  for (int k = 0; k < 2; ++k) {
+  for (std::size_t k = 0; k < 2; ++k) {
     const KitePoint &a = corners[k], &b = corners[k + 1];
     const double from = a.x - a.z, to = b.x - b.z;
     const double part = (across_mm - from) / (to - from);

@@ -41,7 +41,7 @@ void for_each_pixel(std::size_t columns, std::size_t rows, const std::array<Page
   const auto from_row = static_cast<std::size_t>(std::max(0.0, std::ceil(top - kOn)));
   const auto to_row = static_cast<std::size_t>(std::floor(std::min(last_row, bottom + kOn)));
   for (std::size_t j = from_row; j <= to_row; ++j) {
-    const double y = static_cast<double>(j);
+    const auto y = static_cast<double>(j);
     double from = 0.0, to = last_column;
     for (std::size_t k = 0; k < 3; ++k) {
       const double here = down[k] * y + rest[k];  // 0 <= along x + here
@@ -54,12 +54,15 @@ void for_each_pixel(std::size_t columns, std::size_t rows, const std::array<Page
       }
     }
     if (!(from <= to)) continue;
-    const double first = std::ceil(from);
-    for (double x = first; x <= to; x += 1.0)
-      visit(static_cast<std::size_t>(x), j,
+    const auto from_column = static_cast<std::size_t>(std::ceil(from));
+    const auto to_column = static_cast<std::size_t>(std::floor(to));
+    for (std::size_t i = from_column; i <= to_column; ++i) {
+      const auto x = static_cast<double>(i);
+      visit(i, j,
             std::array<double, 3>{along[0] * x + down[0] * y + rest[0],
                                   along[1] * x + down[1] * y + rest[1],
                                   along[2] * x + down[2] * y + rest[2]});
+    }
   }
 }
 

@@ -29,9 +29,11 @@ class SegmentGrid {
   void each_cell(const Segment& segment, Cell&& cell) const {
     visit(segment, reach_, [&](std::size_t c) {
       if (cells_[c].empty()) return;
-      const auto column = static_cast<double>(c % static_cast<std::size_t>(columns_));
-      const auto row = static_cast<double>(c / static_cast<std::size_t>(columns_));
-      cell(PagePoint{x0_ + (column + 0.5) * cell_, y0_ + (row + 0.5) * cell_}, cells_[c]);
+      const auto columns = static_cast<std::size_t>(columns_);
+      const std::size_t column = c % columns, row = c / columns;
+      cell(PagePoint{x0_ + (static_cast<double>(column) + 0.5) * cell_,
+                     y0_ + (static_cast<double>(row) + 0.5) * cell_},
+           cells_[c]);
     });
   }
   [[nodiscard]] double cell_mm() const { return cell_; }

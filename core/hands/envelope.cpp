@@ -47,6 +47,7 @@ class Net {
   void face(const Corners& corners) {
     const auto number = static_cast<std::int32_t>(out_.faces());
     std::vector<std::uint32_t> at;
+    at.reserve(corners.size());
     for (const auto& p : corners) at.push_back(vertex(p));
     for (std::size_t k = 0; k < at.size(); ++k) {
       const std::uint32_t from = at[k], to = at[(k + 1) % at.size()];

@@ -149,7 +149,8 @@ class Measure {
     look_at_faces();
     if (moving_ == 0) return std::nullopt;
     add_folds();
-    Sparse normal(kUnknowns * moving_, kUnknowns * moving_);
+    const Eigen::Index n = Eigen::Index{kUnknowns} * moving_;
+    Sparse normal(n, n);
     normal.setFromTriplets(terms_.begin(), terms_.end());
     Eigen::SimplicialLLT<Sparse> cholesky(normal);
     if (cholesky.info() != Eigen::Success) return std::nullopt;
@@ -216,10 +217,10 @@ class Measure {
           {{sign, 0.0, -sign * (z_mm - s.z_mm) / kArm_mm},
            {0.0, sign, sign * (x_mm - s.x_mm) / kArm_mm}}};
     };
-    const Section* const faces[] = {&sections_[static_cast<std::size_t>(edge.left)],
-                                    &sections_[static_cast<std::size_t>(edge.right)]};
-    for (int a = 0; a < 2; ++a)
-      for (int b = 0; b < 2; ++b) {
+    const std::array faces{&sections_[static_cast<std::size_t>(edge.left)],
+                           &sections_[static_cast<std::size_t>(edge.right)]};
+    for (std::size_t a = 0; a < 2; ++a)
+      for (std::size_t b = 0; b < 2; ++b) {
         const Section &one = *faces[a], &other = *faces[b];
         if (one.number == kFixed || other.number == kFixed) continue;
         const auto left = rows(one, a == 0 ? 1.0 : -1.0), right = rows(other, b == 0 ? 1.0 : -1.0);

@@ -455,6 +455,7 @@ class CardGuide {
     const auto order = slide_order(pieces, up, stuck);
     if (!order) {
       std::vector<std::string> names;
+      names.reserve(stuck.size());
       for (const std::size_t k : stuck)
         names.push_back(shown_text(model_.parts[unit_parts[k]].name));
       return fail(ErrorKind::Infeasible, "/popcut:joints",

@@ -135,7 +135,7 @@ SeamSearch::Lines SeamSearch::priced(bool vertical, double from, double to,
   out.costs.reserve(out.at.size());
   const bool needed = high - low > (vertical ? limits_.width_mm : limits_.height_mm);
   for (const double at : out.at) {
-    const bool valid = !ends || (ends->allows(false, at) && ends->allows(true, at));
+    const bool valid = ends == nullptr || (ends->allows(false, at) && ends->allows(true, at));
     out.costs.push_back(needed && valid ? seam_cost(*lines_, limits_, {vertical, at}, from, to)
                                         : kNoSeam);
   }

@@ -33,6 +33,7 @@ Result<TableRow> inherited(TableRow row, std::vector<TableRow>& rows) {
   const TableRow* base = find_row(rows, base_name);
   if (base == nullptr) {
     std::vector<std::string> names;
+    names.reserve(rows.size());
     for (const TableRow& other : rows) names.push_back(other.name);
     return fail(
         ErrorKind::Malformed, place,

@@ -161,7 +161,7 @@ bool GltfNumbers::is_in_order() const {
 }
 
 double GltfNumbers::get(std::size_t i, std::size_t part) const {
-  const unsigned char* p = at_ ? at_ + i * step_ : nullptr;
+  const unsigned char* p = at_ != nullptr ? at_ + i * step_ : nullptr;
   std::size_t low = 0;
   for (std::size_t high = replaced_; low < high;) {
     const std::size_t middle = low + (high - low) / 2;
@@ -171,7 +171,7 @@ double GltfNumbers::get(std::size_t i, std::size_t part) const {
       high = middle;
   }
   if (low < replaced_ && replaced_index(low) == i) p = values_ + low * value_bytes_;
-  if (!p) return 0;
+  if (p == nullptr) return 0;
   const auto share = [this](double value, double most) {
     return normalized_ ? value / most : value;
   };

@@ -59,7 +59,7 @@ const tinygltf::Value* extension_of(const tinygltf::Node& node, const char* name
 
 bool is_visible(const tinygltf::Node& node) {
   const tinygltf::Value* const said = extension_of(node, "KHR_node_visibility");
-  return !said || !said->Has("visible") || !said->Get("visible").IsBool() ||
+  return said == nullptr || !said->Has("visible") || !said->Get("visible").IsBool() ||
          said->Get("visible").Get<bool>();
 }
 
@@ -127,7 +127,7 @@ class SceneReader {
   Result<void> visit_scene(bool draws) {
     visited_ = 0;
     draws_ = draws;
-    const std::size_t scene = static_cast<std::size_t>(std::max(file_.defaultScene, 0));
+    const auto scene = static_cast<std::size_t>(std::max(file_.defaultScene, 0));
     if (scene >= file_.scenes.size()) return {};
     for (const int root : file_.scenes[scene].nodes)
       if (auto done = visit(root, Matrix::Identity(), true, 0); !done) return done;
@@ -170,7 +170,7 @@ class SceneReader {
   /// Where a node has its mesh: in one place, or in that of each instance.
   Result<std::vector<Matrix>> places_of(const tinygltf::Node& node, const Matrix& here) {
     const tinygltf::Value* const said = extension_of(node, "EXT_mesh_gpu_instancing");
-    if (!said || !said->Has("attributes")) return std::vector{here};
+    if (said == nullptr || !said->Has("attributes")) return std::vector{here};
     const tinygltf::Value& attributes = said->Get("attributes");
     std::optional<GltfNumbers> move, turn, scale;
     std::optional<std::size_t> count;

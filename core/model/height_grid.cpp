@@ -56,7 +56,8 @@ class GridReader {
   }
 
  private:
-  Result<double> number(std::string_view cell, std::size_t column, const char* what) const {
+  [[nodiscard]] Result<double> number(std::string_view cell, std::size_t column,
+                                      const char* what) const {
     cell = trimmed(cell, " \t\r");
     if (cell.empty())
       return wrong(name_, line_, column, fmt::format("is empty; {} is needed", what));

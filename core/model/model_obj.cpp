@@ -59,6 +59,7 @@ std::optional<std::vector<Triangle>> polygon_triangles(std::span<const Vertex> v
                                                        const std::vector<std::uint32_t>& face,
                                                        std::size_t& effort) {
   std::vector<Vec3> corners;
+  corners.reserve(face.size());
   for (const std::uint32_t i : face)
     corners.push_back(Eigen::Vector3d(vertices[i].data()) -
                       Eigen::Vector3d(vertices[face[0]].data()));
@@ -78,6 +79,7 @@ std::optional<std::vector<Triangle>> polygon_triangles(std::span<const Vertex> v
   normal.cwiseAbs().maxCoeff(&along);
   const Eigen::Index u = (along + 1) % 3, v = (along + 2) % 3;
   std::vector<Vec2> seen;
+  seen.reserve(corners.size());
   for (const Vec3& p : corners) seen.emplace_back(normal[along] < 0.0 ? -p[u] : p[u], p[v]);
   std::vector<std::uint32_t> all(corners.size());
   std::iota(all.begin(), all.end(), 0U);

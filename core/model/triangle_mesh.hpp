@@ -27,7 +27,7 @@ struct MeshBox {
   box.low.fill(std::numeric_limits<double>::infinity());
   box.high.fill(-std::numeric_limits<double>::infinity());
   for (std::size_t k = 0; k < mesh.corners.size(); ++k) {
-    const double value = static_cast<double>(mesh.corners[k]);
+    const auto value = static_cast<double>(mesh.corners[k]);
     box.low[k % 3] = std::min(box.low[k % 3], value);
     box.high[k % 3] = std::max(box.high[k % 3], value);
   }

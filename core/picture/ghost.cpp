@@ -156,6 +156,7 @@ std::vector<GhostSlab> ghost_slabs(const TriangleSoup& target, std::span<const S
   if (slabs.empty()) return out;
   const CoarseTarget coarse = coarse_target(target, most_triangles);
   std::vector<std::vector<Level>> levels;
+  levels.reserve(slabs.size());
   for (const Slab& slab : slabs) levels.push_back(levels_of(slab));
   for (std::size_t t = 0; t < coarse.corners.size(); ++t) {
     if (dot(coarse.normal[t], eye) <= 0) continue;

@@ -2,7 +2,9 @@
 #include "core/plan/drawing_transform.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 #include <string>
 
 #include <fmt/format.h>
@@ -16,9 +18,8 @@ namespace {
 std::pair<double, double> sin_cos(double turn_deg) {
   const double quarters = turn_deg / 90;
   if (quarters == std::round(quarters)) {
-    const int turn = static_cast<int>(std::llround(quarters) % 4 + 4) % 4;
-    constexpr double kSin[] = {0, 1, 0, -1};
-    constexpr double kCos[] = {1, 0, -1, 0};
+    const auto turn = static_cast<std::size_t>((std::llround(quarters) % 4 + 4) % 4);
+    constexpr std::array<double, 4> kSin{0, 1, 0, -1}, kCos{1, 0, -1, 0};
     return {kSin[turn], kCos[turn]};
   }
   const double turn_rad = radians(turn_deg);

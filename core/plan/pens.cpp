@@ -76,6 +76,7 @@ Result<void> set_field(PenSettings& pen, std::string_view given, std::set<std::s
                                    [&](const PenField& known) { return known.name == name; });
   if (equals == std::string_view::npos || field == kFields.end()) {
     std::vector<std::string> names;
+    names.reserve(kFields.size());
     for (const PenField& known : kFields) names.emplace_back(known.name);
     return wrong(fmt::format("\"{}\" is no setting of {}; {}", given.substr(0, 40), pen.name,
                              suggestion(std::string(name.substr(0, 40)), names)));

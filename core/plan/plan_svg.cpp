@@ -2,6 +2,7 @@
 // Part of core/plan/plan.hpp.
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <iterator>
 #include <string_view>
@@ -40,9 +41,10 @@ std::string colour_at(double t) {
 void put(std::string& svg, double mm) {
   const long long hundredths = std::llround(mm * 100);
   if (hundredths < 0) svg += '-';
-  const unsigned long long size = static_cast<unsigned long long>(std::llabs(hundredths));
-  char digits[kLongestNumber];
-  svg.append(digits, std::to_chars(digits, digits + kLongestNumber, size / 100).ptr);
+  const auto size = static_cast<unsigned long long>(std::llabs(hundredths));
+  std::array<char, kLongestNumber> digits;
+  svg.append(digits.data(),
+             std::to_chars(digits.data(), digits.data() + digits.size(), size / 100).ptr);
   if (size % 100 == 0) return;
   svg += '.';
   svg += static_cast<char>('0' + size % 100 / 10);

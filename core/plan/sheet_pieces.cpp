@@ -223,6 +223,7 @@ std::string part_names(std::span<const PartOnSheet> parts) {
 std::string part_labels_svg(std::span<const PartOnSheet> parts, const Box& room,
                             std::vector<Box> taken, std::vector<std::string>* without) {
   std::vector<Box> boxes;
+  boxes.reserve(parts.size());
   for (const PartOnSheet& part : parts) boxes.push_back(around(part.box, 1.0));
   std::string svg;
   for (const PartOnSheet& part : parts) {

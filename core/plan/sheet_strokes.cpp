@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "core/plan/sheet_strokes.hpp"
 
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <set>
@@ -123,8 +124,9 @@ class NumberList {
   ~NumberList() { text_ += ']'; }
   void whole(std::uint64_t number) {
     separate();
-    char digits[kLongestNumber];
-    text_.append(digits, std::to_chars(digits, digits + kLongestNumber, number).ptr);
+    std::array<char, kLongestNumber> digits;
+    text_.append(digits.data(),
+                 std::to_chars(digits.data(), digits.data() + digits.size(), number).ptr);
   }
   void thousandths(double number) {
     separate();

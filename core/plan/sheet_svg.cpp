@@ -111,11 +111,10 @@ std::string assembly_svg(const Plan& plan) {
   for (std::size_t i = 0; i < plan.sheets.size(); ++i) {
     const PlannedSheet& sheet = plan.sheets[i];
     const SheetFrame& frame = frames[i];
-    const std::string rows[] = {
-        fmt::format("{}: sheet {}{}", plan.name, i + 1,
-                    sheet.transform.xy != 0.0 ? ", turned by 90 degrees" : ""),
-        sheet_words(drawn[i], sheet.area_mm), plan.machine.title};
-    for (std::size_t k = 0; k < std::size(rows); ++k)
+    const std::array rows{fmt::format("{}: sheet {}{}", plan.name, i + 1,
+                                      sheet.transform.xy != 0.0 ? ", turned by 90 degrees" : ""),
+                          sheet_words(drawn[i], sheet.area_mm), plan.machine.title};
+    for (std::size_t k = 0; k < rows.size(); ++k)
       fmt::format_to(Out(svg),
                      "<text x=\"{:.3f}\" y=\"{:.3f}\" font-family=\"sans-serif\" "
                      "font-size=\"{:.3f}\" fill=\"#404040\">{}</text>\n",

@@ -2,6 +2,7 @@
 #include "core/plot/plot.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -16,9 +17,10 @@ namespace {
 constexpr double kLeft = 72, kTop = 40, kAxesHeight = 320, kAxesWidth = 400, kMapWidth = 350;
 
 std::string superscript(int power) {
-  static constexpr const char* kDigits[] = {"⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"};
+  static constexpr std::array kDigits{"⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"};
   std::string out = power < 0 ? "⁻" : "";
-  for (const char digit : std::to_string(std::abs(power))) out += kDigits[digit - '0'];
+  for (const char digit : std::to_string(std::abs(power)))
+    out += kDigits[static_cast<std::size_t>(digit - '0')];
   return out;
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <unordered_map>
@@ -67,7 +68,7 @@ std::string path_above(const Map& map, double level, const GridFrame& to) {
     path += "Z";
   };
   for (std::size_t row = 0; row + 1 < map.rows; ++row) {
-    const double low = static_cast<double>(row);
+    const auto low = static_cast<double>(row);
     double run = -1;  // where a run of whole cells began, -1: none
     const auto end_run = [&](double column) {
       if (run >= 0)
@@ -80,7 +81,7 @@ std::string path_above(const Map& map, double level, const GridFrame& to) {
       const std::array<double, 4> corner{map.value[at], map.value[at + 1],
                                          map.value[at + map.columns + 1],
                                          map.value[at + map.columns]};
-      const double left = static_cast<double>(column);
+      const auto left = static_cast<double>(column);
       const auto above =
           std::count_if(corner.begin(), corner.end(), [&](double value) { return value >= level; });
       const bool finite = std::all_of(corner.begin(), corner.end(),
@@ -155,7 +156,7 @@ struct Crossing {
 
 /// A contour's way through one cell.
 struct Segment {
-  Crossing end[2];
+  std::array<Crossing, 2> end;
   bool used{false};
 };
 
@@ -168,7 +169,7 @@ std::vector<Segment> crossings(const Map& map, double level) {
                                          map.value[up]};
       if (!std::all_of(corner.begin(), corner.end(), [](double v) { return std::isfinite(v); }))
         continue;
-      const double c = static_cast<double>(column), r = static_cast<double>(row);
+      const auto c = static_cast<double>(column), r = static_cast<double>(row);
       const auto part = [&](std::size_t a, std::size_t b) {
         return (level - corner[a]) / (corner[b] - corner[a]);
       };
@@ -180,7 +181,7 @@ std::vector<Segment> crossings(const Map& map, double level) {
       if (above(3) != above(2)) crossed[count++] = {2 * up, {c + part(3, 2), r + 1}};
       if (above(0) != above(3)) crossed[count++] = {2 * n + 1, {c, r + part(0, 3)}};
       for (std::size_t k = 0; k + 1 < count; k += 2)
-        segments.push_back({{crossed[k], crossed[k + 1]}, false});
+        segments.push_back({.end = {crossed[k], crossed[k + 1]}});
     }
   }
   return segments;

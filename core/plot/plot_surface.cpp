@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -72,8 +73,8 @@ std::vector<Facet> facets_of(const IsoPanel& panel) {
       for (std::size_t a = 0; a < n; ++a)
         value[(c * n + b) * n + a] = panel.value(along(0, a), along(1, b), along(2, c));
   // Each cell as six tetrahedra about its long diagonal.
-  static constexpr std::size_t kWay[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2},
-                                             {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
+  static constexpr std::array<std::array<std::size_t, 3>, 6> kWay{
+      {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}}};
   std::vector<Facet> facets;
   for (std::size_t c = 0; c + 1 < n; ++c)
     for (std::size_t b = 0; b + 1 < n; ++b)

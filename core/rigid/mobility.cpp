@@ -33,7 +33,7 @@ class AffineSystem {
     int count = 2;
     std::vector<std::uint8_t> seen(panels, 0);
     for (std::uint32_t p = 0; p < panels; ++p)
-      if (!held_.is_held(p) && !seen[p]) count += free_in_component(p, seen, loose);
+      if (!held_.is_held(p) && seen[p] == 0) count += free_in_component(p, seen, loose);
     return count;
   }
 
@@ -50,7 +50,7 @@ class AffineSystem {
     seen[panel] = 1;
     for (std::size_t k = 0; k < members_.size(); ++k)
       for (const std::uint32_t other : section_.folds[members_[k]]) {
-        if (held_.is_held(other) || seen[other]) continue;
+        if (held_.is_held(other) || seen[other] != 0) continue;
         seen[other] = 1;
         members_.push_back(other);
       }

@@ -2,6 +2,7 @@
 #include "core/search/halving.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/search/draws.hpp"
 
@@ -17,8 +18,8 @@ class Places {
   std::vector<std::size_t> run() {
     for (std::size_t k = 0; k < candidates_.size(); ++k)
       if (candidates_[k].made && candidates_[k].stays) chosen_[k] = 1;
-    const auto at_random =
-        static_cast<std::size_t>(step_.random_share * static_cast<double>(step_.keep) + 0.5);
+    const auto at_random = static_cast<std::size_t>(
+        std::floor(step_.random_share * static_cast<double>(step_.keep) + 0.5));
     const std::size_t ranked = step_.keep - std::min(at_random, step_.keep);
     take_least_error((ranked + 1) / 2);
     take_layers(ranked / 2);
@@ -56,6 +57,7 @@ class Places {
       if (any_cheap) std::erase_if(open, [&](std::size_t k) { return is_dear(k); });
       if (open.empty()) return;
       std::vector<Judged> judged;
+      judged.reserve(open.size());
       for (const std::size_t k : open) judged.push_back(candidates_[k]);
       // The least errors first, where a layer has more than there are places.
       std::vector<std::size_t> layer = pareto_front(judged);

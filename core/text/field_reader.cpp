@@ -36,7 +36,7 @@ std::optional<std::int64_t> whole_number(const json& value, bool takes_fractions
         std::min(value.get<std::uint64_t>(), static_cast<std::uint64_t>(kMost)));
   if (value.is_number_integer()) return value.get<std::int64_t>();
   if (!takes_fractions || !value.is_number_float()) return std::nullopt;
-  const double got = value.get<double>();
+  const auto got = value.get<double>();
   if (got != std::floor(got)) return std::nullopt;
   constexpr double kExact = 9e15;
   return static_cast<std::int64_t>(std::clamp(got, -kExact, kExact));
@@ -174,7 +174,7 @@ std::optional<double> FieldReader::number_at(const std::string& below, const jso
     wrong_type(below, value, "a number");
     return std::nullopt;
   }
-  const double got = value.get<double>();
+  const auto got = value.get<double>();
   if (std::isfinite(got) && got >= low && got <= high && !(open_low && got == low)) return got;
   add({ErrorKind::OutOfRange, place_of(below), "range",
        fmt::format("is {}; must be {}", exact_number(got), number_words(low, high, open_low)),
@@ -186,8 +186,9 @@ double FieldReader::number(const std::string& key, std::optional<double> fallbac
                            double high, bool open_low) {
   if (!fallback) need(key, "must be " + number_words(low, high, open_low));
   const json* found = value(key);
-  const auto got =
-      found ? number_at(json_pointer_token(key), *found, low, high, open_low) : std::nullopt;
+  const auto got = found != nullptr
+                       ? number_at(json_pointer_token(key), *found, low, high, open_low)
+                       : std::nullopt;
   return got.value_or(fallback.value_or(low));
 }
 
@@ -204,7 +205,7 @@ std::optional<std::int64_t> FieldReader::integer_at(const std::string& below, co
 std::optional<std::int64_t> FieldReader::optional_integer(const std::string& key, std::int64_t low,
                                                           std::int64_t high) {
   const json* found = value(key);
-  return found ? integer_at(json_pointer_token(key), *found, low, high) : std::nullopt;
+  return found != nullptr ? integer_at(json_pointer_token(key), *found, low, high) : std::nullopt;
 }
 
 int FieldReader::integer(const std::string& key, std::optional<int> fallback, int low, int high) {
@@ -230,7 +231,7 @@ std::optional<std::string> FieldReader::text_at(const std::string& below, const 
 std::optional<std::string> FieldReader::optional_text(const std::string& key,
                                                       const TextRule& rule) {
   const json* found = value(key);
-  return found ? text_at(json_pointer_token(key), *found, rule) : std::nullopt;
+  return found != nullptr ? text_at(json_pointer_token(key), *found, rule) : std::nullopt;
 }
 
 std::string FieldReader::text(const std::string& key, std::optional<std::string> fallback,
@@ -247,7 +248,7 @@ std::optional<bool> FieldReader::boolean_at(const std::string& below, const json
 
 std::optional<bool> FieldReader::optional_boolean(const std::string& key) {
   const json* found = value(key);
-  return found ? boolean_at(json_pointer_token(key), *found) : std::nullopt;
+  return found != nullptr ? boolean_at(json_pointer_token(key), *found) : std::nullopt;
 }
 
 bool FieldReader::boolean(const std::string& key, bool fallback) {
@@ -276,7 +277,7 @@ std::optional<std::size_t> FieldReader::word_at(const std::string& below, const 
 std::optional<std::size_t> FieldReader::optional_word(const std::string& key,
                                                       const std::vector<std::string>& words) {
   const json* found = value(key);
-  return found ? word_at(json_pointer_token(key), *found, words) : std::nullopt;
+  return found != nullptr ? word_at(json_pointer_token(key), *found, words) : std::nullopt;
 }
 
 std::size_t FieldReader::word(const std::string& key, std::optional<std::size_t> fallback,
@@ -290,7 +291,7 @@ std::optional<std::vector<std::string>> FieldReader::optional_texts(const std::s
                                                                     const TextRule& rule) {
   constexpr std::size_t kNoLimit = TextRule{}.most;
   const json* found = value(key);
-  if (!found) return std::nullopt;
+  if (found == nullptr) return std::nullopt;
   if (!found->is_array()) {
     wrong_type(
         key, *found,
@@ -322,7 +323,7 @@ std::vector<double> FieldReader::numbers(const std::string& key, std::size_t cou
   const std::string what = fmt::format("a list of {} numbers", count);
   const json* found = require(key, what);
   std::vector<double> numbers(count);
-  if (!found) return numbers;
+  if (found == nullptr) return numbers;
   const bool all =
       found->is_array() && found->size() == count &&
       std::all_of(found->begin(), found->end(), [](const json& item) { return item.is_number(); });
@@ -335,7 +336,7 @@ std::vector<double> FieldReader::numbers(const std::string& key, std::size_t cou
 
 const json* FieldReader::list_of_objects(const std::string& key, std::size_t most) {
   const json* found = value(key);
-  if (!found) return nullptr;
+  if (found == nullptr) return nullptr;
   if (!found->is_array()) {
     wrong_type(json_pointer_token(key), *found, notation().objects(key));
     return nullptr;

@@ -198,7 +198,8 @@ bool read_fields(const FieldTable& table, FieldReader& fields) {
     const std::string name(row.name);
     if (row.rule.is_needed) fields.need(name, "must be " + row.rule.what);
     const json* found = fields.value(name);
-    is_right &= found ? read_value(row.rule, {fields, name, *found}) : !row.rule.is_needed;
+    is_right &=
+        found != nullptr ? read_value(row.rule, {fields, name, *found}) : !row.rule.is_needed;
   }
   is_right &= fields.faults().size() == before;
   if (is_right && !one.empty() && !fields.has(one[1])) {

@@ -2,6 +2,7 @@
 #include "core/text/text_sink.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -20,7 +21,7 @@ char* write_rounded(char* to, double number) {
   if (millionths < 0) *to++ = '-';
   const auto size = static_cast<unsigned long long>(millionths < 0 ? -millionths : millionths);
   to = std::to_chars(to, to + kLongestNumber, size / 1'000'000).ptr;
-  unsigned rest = static_cast<unsigned>(size % 1'000'000);
+  auto rest = static_cast<unsigned>(size % 1'000'000);
   if (rest == 0) return to;
   *to++ = '.';
   for (unsigned place = 100'000; rest > 0; place /= 10) {
@@ -33,8 +34,8 @@ char* write_rounded(char* to, double number) {
 }  // namespace
 
 void append_rounded(std::string& text, double number) {
-  char digits[kLongestNumber];
-  text.append(digits, write_rounded(digits, number));
+  std::array<char, kLongestNumber> digits;
+  text.append(digits.data(), write_rounded(digits.data(), number));
 }
 
 void TextSink::put_past_block(std::string_view text) {

@@ -17,7 +17,7 @@ inline constexpr std::string_view kBlanks = " \t\n\r\f";
 [[nodiscard]] constexpr std::string_view trimmed(std::string_view text,
                                                  std::string_view blanks = kBlanks) {
   const auto is_one = [blanks](char c) {  // without a call: this is half of reading a DXF file
-    for (const char blank : blanks)
+    for (const char blank : blanks)  // NOLINT(readability-use-anyofallof): so that it is inlined
       if (c == blank) return true;
     return false;
   };

@@ -65,7 +65,7 @@ class Plates {
     if (plates_ == 0) return out;
     add_springs();
     using Sparse = Eigen::SparseMatrix<double>;
-    const Eigen::Index n = 3 * plates_;
+    const Eigen::Index n = Eigen::Index{3} * plates_;
     Sparse stiffness(n, n);
     stiffness.setFromTriplets(terms_.begin(), terms_.end());
     const Eigen::SimplicialLDLT<Sparse> solver(stiffness);
@@ -75,9 +75,10 @@ class Plates {
       if (plate_[p] < 0) continue;
       Eigen::Matrix3d spread;  // of shift and turn
       for (int c = 0; c < 3; ++c) {
+        const Eigen::Index first = Eigen::Index{3} * plate_[p];
         Eigen::VectorXd load = Eigen::VectorXd::Zero(n);
-        load[3 * plate_[p] + c] = 1;
-        spread.col(c) = solver.solve(load).segment<3>(3 * plate_[p]);
+        load[first + c] = 1;
+        spread.col(c) = solver.solve(load).segment<3>(first);
       }
       const double moves_mm = std::sqrt(farthest_mm2(p, spread));
       out.largest_mm = std::max(out.largest_mm, moves_mm);
@@ -145,7 +146,7 @@ class Plates {
       const double stiff = std::min(1.0, length_mm / kWholeFold_mm) / off_mm2;
       const Vec2 place = seen(hinge.from);
       Eigen::Matrix<double, 2, 6> gap;  // between the two plates, of both their movements
-      for (int side = 0; side < 2; ++side) {
+      for (Eigen::Index side = 0; side < 2; ++side) {
         const Vec2 arm = place - middle_[panels[static_cast<std::size_t>(side)]];
         const double sign = side == 0 ? 1 : -1;
         gap.block<2, 3>(0, 3 * side) << sign, 0, -sign * arm.y(), 0, sign, sign * arm.x();

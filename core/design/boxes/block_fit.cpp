@@ -102,6 +102,7 @@ RoofFit fit_roof(const HeightMaps& maps, Rows rows, const Block& block, BlockRoo
   RoofFit out;
   if (places.size() < 4) return {0.0, 0.0, std::numeric_limits<double>::infinity()};
   std::vector<double> sorted;
+  sorted.reserve(places.size());
   for (const auto& place : places) sorted.push_back(place[1]);
   const double middle = median_within(sorted);
   out.height = middle;

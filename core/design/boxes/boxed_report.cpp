@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "core/design/boxes/boxed_report.hpp"
 
+#include <cmath>
+
 #include "core/compare/printed_json.hpp"
 #include "core/geometry/angle.hpp"
 #include "core/hands/handwork_json.hpp"
@@ -60,8 +62,8 @@ std::string boxed_report_json(const BoxedCard& made, const likeness::PrintedFigu
   const FitFigures& fit = made.fit;
   Json shares;
   for (std::size_t w = 0; w < FitFigures::kWithin.size(); ++w)
-    shares[std::to_string(static_cast<int>(100.0 * FitFigures::kWithin[w] + 0.5)) + "_percent"] =
-        fit.share_within[w];
+    shares[std::to_string(static_cast<int>(std::floor(100.0 * FitFigures::kWithin[w] + 0.5))) +
+           "_percent"] = fit.share_within[w];
   return json_file(Json{
       {"name", card.name},
       {"style", made.is_of_facets() ? "facets" : "boxes"},

@@ -37,7 +37,7 @@ class StackLoss {
   [[nodiscard]] std::size_t levels() const { return static_cast<std::size_t>(stack_.units) + 1; }
 
   /// The added terms; `jets` has a point and tangent a vertex, `slope` (if any) is added to.
-  double curvature(std::span<const CurveJet> jets, std::span<double> slope) const {
+  [[nodiscard]] double curvature(std::span<const CurveJet> jets, std::span<double> slope) const {
     double sum = 0;
     std::size_t k = first_;
     for (std::size_t j = 1; j + 1 < stack_.curves.size(); ++j) {

@@ -29,7 +29,7 @@ struct UnitRun {
 std::vector<UnitRun> stretches_of(const Slicing& slicing) {
   std::vector<UnitRun> out;
   for (std::size_t j = 0; j < slicing.curves.size(); ++j) {
-    if (j == 0 || slicing.cut_after[j - 1]) out.push_back({j, j, slicing.units[j]});
+    if (j == 0 || slicing.cut_after[j - 1] != 0) out.push_back({j, j, slicing.units[j]});
     out.back().end = j + 1;
   }
   return out;
@@ -60,10 +60,10 @@ class Tally {
     ++count_;
   }
   [[nodiscard]] std::size_t count() const { return count_; }
-  [[nodiscard]] double least() const { return count_ ? least_ : 0.0; }
-  [[nodiscard]] double largest() const { return count_ ? largest_ : 0.0; }
+  [[nodiscard]] double least() const { return count_ > 0 ? least_ : 0.0; }
+  [[nodiscard]] double largest() const { return count_ > 0 ? largest_ : 0.0; }
   [[nodiscard]] MissFigures miss() const {
-    return {count_ ? std::sqrt(squares_ / static_cast<double>(count_)) : 0.0, most_};
+    return {count_ > 0 ? std::sqrt(squares_ / static_cast<double>(count_)) : 0.0, most_};
   }
 
  private:

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 
@@ -20,21 +21,21 @@ struct FullProblem {
   /// L of section 3 over the steps; the scaled unknowns bring their factor into the gradient.
   double loss(const double* p, double* gradient) {
     ++evaluations;
-    const double size[2] = {curve.d(), curve.h()};
+    const std::array size{curve.d(), curve.h()};
     double sum = 0.0;
-    if (gradient) std::fill(gradient, gradient + 2 * units, 0.0);
+    if (gradient != nullptr) std::fill(gradient, gradient + 2 * units, 0.0);
     for (std::size_t axis = 0; axis < 2; ++axis) {
       const double* l = p + axis * units;
-      double* g = gradient ? gradient + axis * units : nullptr;
+      double* g = gradient != nullptr ? gradient + axis * units : nullptr;
       const double weight = size[axis] * size[axis];
       for (std::size_t i = 0; i < units; ++i) {
         const double off = l[i] - 1.0 / static_cast<double>(units);
         sum += weight * off * off;
-        if (g) g[i] += 2.0 * weight * off;
+        if (g != nullptr) g[i] += 2.0 * weight * off;
         if (i + 1 == units) continue;
         const double bend = l[i + 1] - l[i];
         sum += weight * bend * bend;
-        if (g) g[i] -= 2.0 * weight * bend, g[i + 1] += 2.0 * weight * bend;
+        if (g != nullptr) g[i] -= 2.0 * weight * bend, g[i + 1] += 2.0 * weight * bend;
       }
     }
     return sum;
@@ -44,7 +45,7 @@ struct FullProblem {
   /// two sums.
   void constraints(double* result, const double* p, double* gradient) const {
     const std::size_t columns = 2 * units;
-    if (gradient) std::fill(gradient, gradient + (units + 1) * columns, 0.0);
+    if (gradient != nullptr) std::fill(gradient, gradient + (units + 1) * columns, 0.0);
     double x = 0.0, z = 1.0;  // over d and h
     for (std::size_t i = 0; i + 1 < units; ++i) {
       x += p[i];
@@ -53,7 +54,7 @@ struct FullProblem {
       const double n = c.x / curve.d() + c.z / curve.h();
       const double dn = c.dx / curve.d() + c.dz / curve.h();
       result[i] = x + z - n;
-      if (!gradient) continue;
+      if (gradient == nullptr) continue;
       double* row = gradient + i * columns;
       for (std::size_t k = 0; k <= i; ++k) row[k] = 1.0 - dn, row[units + k] = -1.0 - dn;
     }
@@ -61,7 +62,8 @@ struct FullProblem {
       double sum = -1.0;
       for (std::size_t i = 0; i < units; ++i) sum += p[axis * units + i];
       result[units - 1 + axis] = sum;
-      if (gradient) std::fill_n(gradient + (units - 1 + axis) * columns + axis * units, units, 1.0);
+      if (gradient != nullptr)
+        std::fill_n(gradient + (units - 1 + axis) * columns + axis * units, units, 1.0);
     }
   }
 };
@@ -90,7 +92,7 @@ Result<ChainFigures> solve_chain_slsqp(const SliceCurve& curve, int units, std::
     p[n + i - 1] = (last.z - c.z) / curve.h();
     last = {c.x, c.z};
   }
-  const unsigned unknowns = static_cast<unsigned>(2 * n);
+  const auto unknowns = static_cast<unsigned>(2 * n);
   nlopt_opt opt = nlopt_create(NLOPT_LD_SLSQP, unknowns);
   const std::vector<double> tolerance(n + 1, 1e-12);
   nlopt_set_min_objective(opt, loss_of, &problem);

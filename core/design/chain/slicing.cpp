@@ -283,8 +283,8 @@ void add_pieces(const std::vector<RegionCut>& stretches, Slicing& out) {
 /// The target where a patch ends and its neighbour begins.
 void add_edges(const RegionCut& first, const RegionCut& last, Slicing& out) {
   const auto add = [&](const RegionCut& stretch, double s, const SliceCurve& own) {
-    auto curve = stretch.surface->slice(s - stretch.origin_mm);
-    out.edges.push_back(curve ? std::move(*curve) : own);
+    const auto curve = stretch.surface->slice(s - stretch.origin_mm);
+    out.edges.push_back(curve ? *curve : own);
   };
   add(first, out.s_mm.front() - 0.5 * out.width_mm.front(), out.curves.front());
   add(last, out.s_mm.back() + 0.5 * out.width_mm.back(), out.curves.back());
@@ -362,7 +362,7 @@ Result<Slicing> slice_target(const DesignSpec& spec, const SurfaceAssets& assets
           last_here && stretches[r + 1].origin_mm > 0.0 && between > stretches[r + 1].origin_mm;
       const RegionCut& owner = beyond ? stretches[r + 1] : here;
       const bool cut_here = last_here && stretches[r + 1].units != here.units;
-      out.cut_after.push_back(cut_here);
+      out.cut_after.push_back(cut_here ? 1 : 0);
       out.between_s_mm.push_back(between);
       Result<SliceCurve> curve = out.curves.back();  // what a bridge aims at
       if (auto strip =
@@ -370,7 +370,7 @@ Result<Slicing> slice_target(const DesignSpec& spec, const SurfaceAssets& assets
                         0.25 * (out.width_mm[k] + out.width_mm[k + 1]), 2.0 * spec.min_panel_mm))
         curve = std::move(strip->slice.curve);
       else if (is_nothing_there(strip.error()))
-        out.cut_after.back() = cut_here || spec.card;
+        out.cut_after.back() = cut_here || spec.card ? 1 : 0;
       else if (!cut_here)
         curve = tl::unexpected(strip.error());
       if (!curve) return tl::unexpected(curve.error());

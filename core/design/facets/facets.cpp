@@ -189,8 +189,9 @@ class FacetMaker {
   }
 
   /// The card of labels: as large as they need, with windows and contours.
-  Result<FacetCard> finished(const SeenTarget& image, const Labelling& labelling, double least,
-                             FacetCardSize card, FacetRepair repaired, std::size_t moves) const {
+  [[nodiscard]] Result<FacetCard> finished(const SeenTarget& image, const Labelling& labelling,
+                                           double least, FacetCardSize card, FacetRepair repaired,
+                                           std::size_t moves) const {
     const FacetPlanes& planes = labelling.planes();
     LabelImage labels = fit_card(labelling.image(), planes, card);
     for (FacetStrut& strut : repaired.struts) strut.without = moved(strut.without, labels.grid);
@@ -414,14 +415,14 @@ class FacetMaker {
       whole += labelling.distance(s, strip);
       for (int k = 0; k < kPointsAlong; ++k)
         for (std::size_t c = 0; c < image.raster.columns; ++c) {
-          const std::size_t row = static_cast<std::size_t>(s * kPointsAlong + k);
+          const auto row = static_cast<std::size_t>(s * kPointsAlong + k);
           const Label label = strip[c / kPointsAcross];
           const bool is_card =
               label == (c / kPointsAcross < static_cast<std::size_t>(grid_.wall) ? kWallLabel
                                                                                  : kGroundLabel);
           if (is_card && image.facing[row * image.raster.columns + c] == Facing::Card) continue;
           const FacetPlane& plane = out.planes[label];
-          const double depth = static_cast<double>(image.depth_mm[row * image.raster.columns + c]);
+          const auto depth = static_cast<double>(image.depth_mm[row * image.raster.columns + c]);
           const double far =
               plane.kite >= 0
                   ? std::abs(kites[static_cast<std::size_t>(plane.kite)].depth_mm(

@@ -72,6 +72,7 @@ std::map<std::uint32_t, LoosePatch> patch_cells(const LabelCard& card, bool only
 std::vector<LoosePatch> loose_patches(const LabelCard& card) {
   std::map<std::uint32_t, LoosePatch> by_patch = patch_cells(card, true);
   std::vector<LoosePatch> out;
+  out.reserve(by_patch.size());
   for (auto& [number, patch] : by_patch) out.push_back(std::move(patch));
   std::stable_sort(out.begin(), out.end(),
                    [](const LoosePatch& a, const LoosePatch& b) { return a.area < b.area; });

@@ -273,7 +273,7 @@ void Labelling::sweep(int sweeps, bool jumps) {
     for (const int parity : {0, 1})
       for (int s = parity; s < grid_.strips; s += 2) {
         const auto at = static_cast<std::size_t>(s);
-        if (!stale[at]) continue;
+        if (stale[at] == 0) continue;
         stale[at] = 0;
         std::vector<Label> labels = solve(s, jumps, coupling);
         if (std::equal(labels.begin(), labels.end(), image_.strip(s).begin())) continue;

@@ -2,6 +2,7 @@
 #include "core/design/facets/labels.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <utility>
@@ -82,7 +83,7 @@ bool FacetPlanes::meet_at_kite(Label before, Label after, int across) const {
 }
 
 FacetPlanes every_step(const FacetPlanes& planes) {
-  std::vector<int> offsets[2];
+  std::array<std::vector<int>, 2> offsets;
   for (const bool upright : {false, true}) {
     int least = 0, most = 0;
     for (std::size_t l = 0; l < planes.size(); ++l) {

@@ -2,6 +2,7 @@
 #include "core/design/facets/strip_chain.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <span>
 #include <utility>
@@ -13,7 +14,7 @@ constexpr double kNever = 1e30;
 
 /// Index of the first least value. Four at a time, since each comparison waits for the one before.
 std::size_t least_of(std::span<const double> values) {
-  double least[4] = {kNever, kNever, kNever, kNever};
+  std::array least{kNever, kNever, kNever, kNever};
   std::size_t k = 0;
   for (; k + 4 <= values.size(); k += 4)
     for (std::size_t i = 0; i < 4; ++i) least[i] = std::min(least[i], values[k + i]);

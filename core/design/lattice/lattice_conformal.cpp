@@ -306,7 +306,7 @@ Result<Planes> lattice_conformal(const RunTarget& target, std::optional<double> 
                     target.units, target.min_panel_mm, target.mean_step()));
   Conformal problem(target, std::move(start));
   const ConformalEffort spent = problem.run(give_up_over_mean, progress);
-  if (effort) *effort = spent;
+  if (effort != nullptr) *effort = spent;
   return problem.planes();
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <memory>
 #include <utility>
@@ -109,7 +110,7 @@ class DirectModel {
     }
     const auto take = [&](int j, int i) {
       const std::size_t at = target_.at(j, i);
-      if (!used[at] || planes.value[at] == 0.0) return;
+      if (used[at] == 0 || planes.value[at] == 0.0) return;
       index_[at] = static_cast<int>(start.size());
       start.push_back(planes.value[at]);
     };
@@ -295,12 +296,11 @@ class DirectSolver {
     for (const Panel& panel : model_.panels) {
       const PanelError::Jet jet = error_.jet(panel, p_);
       sum += jet.value;
-      const int at[3] = {panel.begin.index, panel.end.index, panel.plane.index};
+      const std::array at{panel.begin.index, panel.end.index, panel.plane.index};
       std::size_t entry = 0;
-      for (int a = 0; a < 3; ++a) {
-        if (at[a] >= 0)
-          gradient_[static_cast<std::size_t>(at[a])] += jet.first[static_cast<std::size_t>(a)];
-        for (int b = a; b < 3; ++b, ++entry)
+      for (std::size_t a = 0; a < 3; ++a) {
+        if (at[a] >= 0) gradient_[static_cast<std::size_t>(at[a])] += jet.first[a];
+        for (std::size_t b = a; b < 3; ++b, ++entry)
           if (at[a] >= 0 && at[b] >= 0) matrix.add(at[a], at[b], jet.second[entry]);
         if (at[a] >= 0 && a == 2) trace += jet.second[5];
       }
@@ -445,7 +445,7 @@ Result<Planes> lattice_direct(const RunTarget& target, DirectEffort* effort,
     BestPlanes held = best_planes(target, error, spent, progress);
     if (held.shortfall_mm <= kSpare * target.min_panel_mm) best = std::move(held);
   }
-  if (effort) *effort = spent;
+  if (effort != nullptr) *effort = spent;
   return std::move(best.planes);
 }
 

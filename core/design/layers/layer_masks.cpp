@@ -427,7 +427,8 @@ double height_of(const LayerGrid& grid, const LayerMask& mask) {
   // Rows lie one after another, the lowest first.
   const auto last = std::find_if(mask.rbegin(), mask.rend(), [](auto paper) { return paper != 0; });
   const auto cells = static_cast<std::size_t>(mask.rend() - last);
-  return static_cast<double>((cells + grid.columns - 1) / grid.columns) * grid.cell_mm;
+  const std::size_t rows = (cells + grid.columns - 1) / grid.columns;
+  return static_cast<double>(rows) * grid.cell_mm;
 }
 
 std::vector<double> layer_depths(const TriangleSoup& target, int count, double apart_mm) {

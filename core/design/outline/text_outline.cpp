@@ -91,7 +91,7 @@ class Chords {
 /// Height of the capitals in the font's units: as the font says, else that of an H, else of all.
 double height_of_capitals(FT_Face face) {
   const auto* os2 = static_cast<const TT_OS2*>(FT_Get_Sfnt_Table(face, FT_SFNT_OS2));
-  if (os2 && os2->version != 0xFFFF && os2->version >= 2 && os2->sCapHeight > 0)
+  if (os2 != nullptr && os2->version != 0xFFFF && os2->version >= 2 && os2->sCapHeight > 0)
     return os2->sCapHeight;
   if (FT_Load_Char(face, 'H', FT_LOAD_NO_SCALE) == 0 && face->glyph->metrics.horiBearingY > 0)
     return static_cast<double>(face->glyph->metrics.horiBearingY);

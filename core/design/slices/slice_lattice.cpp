@@ -361,7 +361,7 @@ class Lattice {
 
 SliceLattice cross_slices(const std::vector<Slice>& slices, const SlotSize& slot,
                           double least_mm2) {
-  constexpr SliceFamily kBoth[] = {SliceFamily::X, SliceFamily::Y};
+  constexpr std::array kBoth{SliceFamily::X, SliceFamily::Y};
   const Uncut uncut = uncut_of(slices, least_mm2);
   std::optional<SliceLattice> best;
   double most = -1.0;

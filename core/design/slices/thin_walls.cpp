@@ -21,8 +21,9 @@ class WallRule {
   /// @param levels  the piece, asked for its paper on level lines
   /// @param at_mm   the middle of the slot, and `from`..`to` its ends
   /// @param next    middles of all slots of the family
-  std::optional<ThinWall> look(const UprightLines& levels, double at_mm, PaperSpan slot,
-                               const std::vector<double>& next) const {
+  [[nodiscard]] std::optional<ThinWall> look(const UprightLines& levels, double at_mm,
+                                             PaperSpan slot,
+                                             const std::vector<double>& next) const {
     std::optional<ThinWall> worst;
     for (const double side : {-1.0, 1.0}) {
       const auto steps =

@@ -2,6 +2,7 @@
 #include "core/design/spec/spec.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <initializer_list>
 #include <span>
@@ -18,7 +19,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr const char* kOneRegion[] = {"units_per_slice", "slices", "widths_mm"};
+constexpr std::array kOneRegion{"units_per_slice", "slices", "widths_mm"};
 
 /// The rules between the fields of one design. Each step adds at most one fault to `fields` and
 /// says whether the next one can follow.
@@ -298,11 +299,9 @@ void check_regions(FieldReader& fields) {
 struct OwnStyle {
   std::string_view name, field;
 };
-constexpr OwnStyle kOwnStyles[] = {{"facets", "facets"},
-                                   {"silhouette", "silhouette"},
-                                   {"layers", "layers"},
-                                   {"slices", "sliceform"},
-                                   {"boxes", "boxes"}};
+constexpr std::array kOwnStyles{OwnStyle{"facets", "facets"}, OwnStyle{"silhouette", "silhouette"},
+                                OwnStyle{"layers", "layers"}, OwnStyle{"slices", "sliceform"},
+                                OwnStyle{"boxes", "boxes"}};
 
 /// The style where it is one of `kOwnStyles`, else "".
 std::string_view own_style(FieldReader& fields) {
@@ -313,7 +312,7 @@ std::string_view own_style(FieldReader& fields) {
   return "";
 }
 
-constexpr const char* kOfLattices[] = {
+constexpr std::array kOfLattices{
     "units_per_slice", "slices", "widths_mm", "regions",   "lattice",
     "solver",          "fit",    "splay",     "curvature", "max_step_over_mean"};
 

@@ -611,6 +611,7 @@ ValueRule sheet(std::optional<SheetSpec>& sheet) {
                                                    sides[1].get<double>()};
   });
   std::vector<std::string> names;
+  names.reserve(kPapers.size());
   for (const Paper& paper : kPapers) names.emplace_back(paper.name);
   return either({word(named, names), list(measured, length_mm({}), {2, 2, ErrorKind::Malformed},
                                           "[width, height] in mm")});

@@ -145,14 +145,18 @@ class PatternBuilder {
         passed_[joint.start_vertex] = 1;
       } else {
         joint.start_vertex = add_vertex(joint.x0, joint.z0, v);
-        passed_.back() = (is_point(joint.x0, joint.z0, strips_.first_point(a)) &&
-                          is_point(joint.x0, joint.z0, strips_.first_point(b))) ||
-                         both_cut(joint.left_panel, joint.right_panel, joint.x0, joint.z0, false);
+        const bool is_passed =
+            (is_point(joint.x0, joint.z0, strips_.first_point(a)) &&
+             is_point(joint.x0, joint.z0, strips_.first_point(b))) ||
+            both_cut(joint.left_panel, joint.right_panel, joint.x0, joint.z0, false);
+        passed_.back() = is_passed ? 1 : 0;
       }
       joint.end_vertex = add_vertex(joint.x1, joint.z1, v);
-      passed_.back() = (is_point(joint.x1, joint.z1, strips_.first_panel[a + 1] + a) &&
-                        is_point(joint.x1, joint.z1, strips_.first_panel[b + 1] + b)) ||
-                       both_cut(joint.left_panel, joint.right_panel, joint.x1, joint.z1, true);
+      const bool is_passed =
+          (is_point(joint.x1, joint.z1, strips_.first_panel[a + 1] + a) &&
+           is_point(joint.x1, joint.z1, strips_.first_panel[b + 1] + b)) ||
+          both_cut(joint.left_panel, joint.right_panel, joint.x1, joint.z1, true);
+      passed_.back() = is_passed ? 1 : 0;
     }
   }
 
@@ -363,10 +367,10 @@ class PatternBuilder {
   bool trace(std::uint32_t panel) {
     Pattern& p = out_.pattern;
     const auto face = static_cast<std::int32_t>(out_.upright.size());
-    out_.upright.push_back(upright(panel));
+    out_.upright.push_back(upright(panel) ? 1 : 0);
     if (p.face_first.empty()) p.face_first.push_back(0);
     HalfEdge start{HalfEdgeKind::End, panel, panel};
-    while (passed_[origin(start)]) {  // begin at a vertex that stays
+    while (passed_[origin(start)] != 0) {  // begin at a vertex that stays
       start = next(start);
       if (start.kind == HalfEdgeKind::End && start.panel == panel) return false;
     }
@@ -377,7 +381,7 @@ class PatternBuilder {
       out_.panel_face[h.panel] = face;
       const HalfEdge after = next(h);
       const std::uint32_t to = origin(after);
-      if (!passed_[to]) {
+      if (passed_[to] == 0) {
         p.face_vertices.push_back(from);
         finish_chain(chain, from, to, face);
         from = to;
@@ -405,7 +409,7 @@ class PatternBuilder {
     std::uint32_t kept = 0;
     for (std::size_t i = 0; i < passed_.size(); ++i) {
       place[i] = kept;
-      if (!passed_[i]) p.vertices[kept++] = p.vertices[i];
+      if (passed_[i] == 0) p.vertices[kept++] = p.vertices[i];
     }
     p.vertices.resize(kept);
     for (PatternEdge& e : p.edges) e.from = place[e.from], e.to = place[e.to];

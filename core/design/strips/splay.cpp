@@ -46,7 +46,7 @@ class Splayer {
   }
 
  private:
-  Result<void> check_size(std::size_t connectors) const {
+  [[nodiscard]] Result<void> check_size(std::size_t connectors) const {
     if (splay_.uniform) return {};
     for (std::size_t i = 0; i < splay_.alpha.size(); ++i)
       if (splay_.alpha[i].size() != connectors)

@@ -2,6 +2,7 @@
 #include "core/design/strips/strip_bridge.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -32,9 +33,9 @@ struct Corner {
 
 /// The cheapest way to a corner, for each set of sides that it has joined.
 struct Way {
-  double cost[kBoth + 1];
-  std::int32_t from[kBoth + 1];
-  std::uint8_t from_sides[kBoth + 1];
+  std::array<double, kBoth + 1> cost;
+  std::array<std::int32_t, kBoth + 1> from;
+  std::array<std::uint8_t, kBoth + 1> from_sides;
 };
 
 class Bridge {

@@ -113,7 +113,6 @@ class RunLayer {
     };
     double x = 0.0, z = options_.frame.wall_mm;
     bool any = false;
-    int kept = -1;
     std::vector<int> pairs;
     for (int i = first; i < last; i += 2) {
       const double height = run_.planes.value[at(j, i)], offset = run_.planes.value[at(j, i + 1)];
@@ -127,11 +126,11 @@ class RunLayer {
         drop(i, step);
         continue;
       }
-      x = offset, z = height, any = true, kept = i;
+      x = offset, z = height, any = true;
       pairs.push_back(i);
     }
     while (!pairs.empty()) {
-      kept = pairs.back();
+      const int kept = pairs.back();
       const double height = run_.planes.value[at(j, kept)];
       if (height >= options_.min_panel_mm) break;
       drop(kept, height);
@@ -140,7 +139,7 @@ class RunLayer {
   }
 
   void begin_strip(StripWriter& writer, double first_height, PlaneId wall_plane, double wall_end,
-                   bool has_own_wall) {
+                   bool has_own_wall) const {
     if (options_.frame.card) {
       writer.start(0.0, options_.frame.wall_mm);
       writer.panel_to(0.0, first_height, kWallPlane, -1);
@@ -152,7 +151,7 @@ class RunLayer {
     }
   }
   void end_strip(StripWriter& writer, double last_offset, PlaneId ground_plane, double ground_end,
-                 bool has_own_ground) {
+                 bool has_own_ground) const {
     if (options_.frame.card)
       writer.panel_to(options_.frame.ground_mm, 0.0, kGroundPlane, -1);
     else if (has_own_ground && ground_end - last_offset >= options_.min_panel_mm)
@@ -163,7 +162,7 @@ class RunLayer {
     double height = 0.0, x = 0.0;
     bool begun = false;
     for (int i = 0; i <= n_; ++i) {
-      if (dead_[at(j, i)]) continue;
+      if (dead_[at(j, i)] != 0) continue;
       const double value = run_.planes.value[at(j, i)];
       if (Planes::holds_height(j, i)) {
         if (!begun) {
@@ -195,10 +194,10 @@ class RunLayer {
     return ends.empty() ? 0.0 : ends[static_cast<std::size_t>(run_.first + j)];
   }
 
-  [[nodiscard]] int height_holder(int j, int i) const {
+  [[nodiscard]] static int height_holder(int j, int i) {
     return Planes::holds_height(j, i) ? j : j + 1;
   }
-  [[nodiscard]] int offset_holder(int j, int i) const {
+  [[nodiscard]] static int offset_holder(int j, int i) {
     return Planes::holds_height(j, i) ? j + 1 : j;
   }
 
@@ -213,8 +212,8 @@ class RunLayer {
     for (int i = n_; i > first; --i)
       if (vertex(i).z == 0.0) last = i;
     // Only planes that the slices have can be joined: the first height, the last offset.
-    while (first < last && dead_[at(height_holder(j, first), first)]) ++first;
-    while (last > first && dead_[at(offset_holder(j, last), last)]) --last;
+    while (first < last && dead_[at(height_holder(j, first), first)] != 0) ++first;
+    while (last > first && dead_[at(offset_holder(j, last), last)] != 0) --last;
     if (first == last || vertex(last).x < options_.min_panel_mm ||
         vertex(first).z < options_.min_panel_mm)
       return {};
@@ -225,7 +224,8 @@ class RunLayer {
                       vertex(a).z - (b == last ? 0.0 : vertex(b).z));
     };
     for (int i = first + 1; i < last; ++i) {
-      const bool gone = dead_[at(j, i)] || dead_[at(j + 1, i)] || is_loose(run_.loose_levels, j, i);
+      const bool gone =
+          dead_[at(j, i)] != 0 || dead_[at(j + 1, i)] != 0 || is_loose(run_.loose_levels, j, i);
       const double short_step = step(kept.back(), i);
       if (!gone && short_step >= options_.min_panel_mm)
         kept.push_back(i);
@@ -293,7 +293,7 @@ class RunLayer {
       work.pop_back();
       own.clear();
       for (int i = 0; i <= n_; ++i)
-        if (!dead_[at(j, i)]) own.push_back(i);
+        if (dead_[at(j, i)] == 0) own.push_back(i);
       bool dropped = false;
       hanging.clear();
       for (std::size_t q = 0; q <= own.size(); ++q) {
@@ -404,11 +404,9 @@ void unify(std::vector<Run>& runs, StripOptions& options) {
 
 }  // namespace
 
-LaidStrips build_strips(const std::vector<LaidSlice>& laid, const std::vector<Run>& asked,
-                        const StripOptions& asked_options) {
+LaidStrips build_strips(const std::vector<LaidSlice>& laid, std::vector<Run> runs,
+                        StripOptions options) {
   LaidStrips out;
-  std::vector<Run> runs = asked;
-  StripOptions options = asked_options;
   unify(runs, options);
   StripWriter writer;
   const bool margins = options.frame.card && options.frame.margin_mm > 0.0;

@@ -64,8 +64,8 @@ struct LaidStrips {
 /// left out there. Slice strips come first, since a connector can
 /// only use planes that its slices have. A blank slice is plain card of its full width and of what
 /// the slices beside it leave to connectors.
-[[nodiscard]] LaidStrips build_strips(const std::vector<LaidSlice>& laid,
-                                      const std::vector<Run>& runs, const StripOptions& options);
+[[nodiscard]] LaidStrips build_strips(const std::vector<LaidSlice>& laid, std::vector<Run> runs,
+                                      StripOptions options);
 
 /// The highest wall end and the farthest ground end of the runs, mm: what H and D must clear.
 struct Reach {

@@ -92,8 +92,8 @@ void SliceCurve::find_inflections() {
 
 void SliceCurve::add_pieces(double t_begin, double t_end, double tolerance, int depth,
                             const std::function<double(double)>& n_at) {
-  constexpr int n = kDegree;
-  double sample[n + 1];
+  const int n = kDegree;
+  std::array<double, n + 1> sample;
   for (int k = 0; k <= n; ++k)
     sample[k] =
         n_at(t_begin + (t_end - t_begin) * 0.5 * (1.0 + std::cos(kPi * (k + 0.5) / (n + 1))));
@@ -114,8 +114,8 @@ void SliceCurve::add_pieces(double t_begin, double t_end, double tolerance, int 
     add_pieces(middle, t_end, tolerance, depth - 1, n_at);
     return;
   }
-  derive(piece.value, n, t_end - t_begin, piece.first);
-  derive(piece.first, n, t_end - t_begin, piece.second);
+  derive(piece.value.data(), n, t_end - t_begin, piece.first.data());
+  derive(piece.first.data(), n, t_end - t_begin, piece.second.data());
   pieces_.push_back(piece);
 }
 
@@ -135,8 +135,8 @@ SliceCurve::Rise SliceCurve::rise(double t) const {
                                        [t](const Piece& p) { return p.t_end < t; });
   const double y =
       std::clamp((2.0 * t - it->t_begin - it->t_end) / (it->t_end - it->t_begin), -1.0, 1.0);
-  return {chebyshev(it->value, kDegree, y), chebyshev(it->first, kDegree, y),
-          chebyshev(it->second, kDegree, y)};
+  return {chebyshev(it->value.data(), kDegree, y), chebyshev(it->first.data(), kDegree, y),
+          chebyshev(it->second.data(), kDegree, y)};
 }
 
 /// De Boor's recursion on the one interval that holds t, with its first two derivatives.
@@ -144,9 +144,10 @@ SliceCurve::Rise SliceCurve::spline_rise(double t) const {
   const int at =
       std::clamp(static_cast<int>(0.5 * (t + 1.0) * kSplinePieces), 0, kSplinePieces - 1);
   const double* const c = control_.data() + at;
-  double knot[6];
+  std::array<double, 6> knot;
   for (int i = 0; i < 6; ++i) knot[i] = spline_knot(at - 2 + i);
-  double first[3], second[2];
+  std::array<double, 3> first;
+  std::array<double, 2> second;
   for (int i = 0; i < 3; ++i) first[i] = 3.0 * (c[i + 1] - c[i]) / (knot[i + 3] - knot[i]);
   for (int i = 0; i < 2; ++i)
     second[i] = 2.0 * (first[i + 1] - first[i]) / (knot[i + 3] - knot[i + 1]);
@@ -158,7 +159,7 @@ SliceCurve::Rise SliceCurve::spline_rise(double t) const {
   const double f0 = mix(first[0], first[1], knot[1], knot[3]);
   const double f1 = mix(first[1], first[2], knot[2], knot[4]);
   const double dn = mix(f0, f1, knot[2], knot[3]);
-  double v[3];
+  std::array<double, 3> v;
   for (int i = 0; i < 3; ++i) v[i] = mix(c[i], c[i + 1], knot[i], knot[i + 3]);
   const double v0 = mix(v[0], v[1], knot[1], knot[3]), v1 = mix(v[1], v[2], knot[2], knot[4]);
   return {mix(v0, v1, knot[2], knot[3]), dn, ddn};

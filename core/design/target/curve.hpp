@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
 #include <functional>
 #include <vector>
 
@@ -80,9 +81,9 @@ class SliceCurve {
   static constexpr int kDegree = 24;
   struct Piece {
     double t_begin{}, t_end{};
-    double value[kDegree + 1]{};   ///< Chebyshev coefficients of n
-    double first[kDegree + 1]{};   ///< of dn/dt
-    double second[kDegree + 1]{};  ///< of d2n/dt2
+    std::array<double, kDegree + 1> value{};   ///< Chebyshev coefficients of n
+    std::array<double, kDegree + 1> first{};   ///< of dn/dt
+    std::array<double, kDegree + 1> second{};  ///< of d2n/dt2
   };
   struct Rise {
     double n{}, dn{}, ddn{};

@@ -42,6 +42,7 @@ class Depth {
  public:
   explicit Depth(std::span<const OutlinePoint> outline) {
     std::vector<SectionPoint> all;
+    all.reserve(outline.size());
     for (const OutlinePoint& p : outline) all.push_back(p.p);
     std::sort(all.begin(), all.end(), [](const SectionPoint& a, const SectionPoint& b) {
       return a.x != b.x ? a.x > b.x : a.z > b.z;

@@ -20,8 +20,8 @@ std::array<double, 2> cos_sin(double angle_deg) {
   const double quarter = angle_deg / 90.0;
   if (quarter == std::floor(quarter)) {
     const int turns = static_cast<int>(std::fmod(std::fmod(quarter, 4.0) + 4.0, 4.0));
-    constexpr std::array<std::array<double, 2>, 4> exact{{{1, 0}, {0, 1}, {-1, 0}, {0, -1}}};
-    return exact[static_cast<std::size_t>(turns)];
+    constexpr std::array<std::array<double, 2>, 4> kExact{{{1, 0}, {0, 1}, {-1, 0}, {0, -1}}};
+    return kExact[static_cast<std::size_t>(turns)];
   }
   const double angle_rad = radians(angle_deg);
   return {std::cos(angle_rad), std::sin(angle_rad)};

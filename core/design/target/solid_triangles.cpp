@@ -64,7 +64,7 @@ class TetrahedraMarch {
 
   void choose_cells() {
     constexpr double kLeast = 64.0, kMost = 128.0, kThin = 8.0;
-    const double sides[3] = {reach_[0], stretch_.to_mm - stretch_.from_mm, reach_[1]};
+    const std::array sides{reach_[0], stretch_.to_mm - stretch_.from_mm, reach_[1]};
     const double longest = std::max({sides[0], sides[1], sides[2]});
     const double round = std::max(reach_[0], reach_[1]);  // as if that were its radius
     const double wanted = longest / std::sqrt(8.0 * stretch_.finest_mm * round);

@@ -29,7 +29,7 @@ class SolidSlice {
     return solid_(q[0], q[1], q[2]) < 0.0;  // not a number is outside
   }
 
-  Result<SurfaceSlice> cut(FitMode mode, const char* what) const {
+  [[nodiscard]] Result<SurfaceSlice> cut(FitMode mode, const char* what) const {
     const std::string place = fmt::format("/surface at s = {:.6g} mm", s_mm_);
     auto reach = find_reach(place, what);
     if (!reach) return tl::unexpected(reach.error());

@@ -41,7 +41,7 @@ class ProfileSlice {
     return d && check_falls(h, *d) ? *d : kEndless;
   }
 
-  Result<SliceCurve> curve() const {
+  [[nodiscard]] Result<SliceCurve> curve() const {
     const double h = (*this)(0.0);
     if (!std::isfinite(h) || h <= 0.0)
       return fail(

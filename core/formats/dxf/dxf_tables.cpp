@@ -120,7 +120,8 @@ class TableReader {
   }
 
  private:
-  tl::unexpected<Error> wrong(std::string detail, ErrorKind kind = ErrorKind::Malformed) const {
+  [[nodiscard]] tl::unexpected<Error> wrong(std::string detail,
+                                            ErrorKind kind = ErrorKind::Malformed) const {
     return fail(kind, dxf_line(cursor_.group().line), std::move(detail));
   }
 
@@ -129,7 +130,7 @@ class TableReader {
     return false;
   }
 
-  tl::unexpected<Error> fault() const {
+  [[nodiscard]] tl::unexpected<Error> fault() const {
     return tl::unexpected<Error>(cursor_.error() ? *cursor_.error() : *error_);
   }
 

@@ -72,8 +72,8 @@ class FrameReader {
   }
 
   /// The vertex that entry `n` of row `i` refers to.
-  Result<std::uint32_t> index(const FoldColumn& column, const char* key, std::size_t i,
-                              std::size_t n) const {
+  [[nodiscard]] Result<std::uint32_t> index(const FoldColumn& column, const char* key,
+                                            std::size_t i, std::size_t n) const {
     const double value = column.number[column.row_begin(i) + n];
     const std::size_t count = frame_.vertices.size();
     if (value >= 0.0 && value < static_cast<double>(count) && value == std::floor(value))
@@ -108,7 +108,7 @@ class FrameReader {
   }
 
   /// A frame that inherits edges or faces but has its own vertices must have enough of them.
-  Result<void> recheck() const {
+  [[nodiscard]] Result<void> recheck() const {
     std::uint32_t most = 0;
     for (const auto& edge : frame_.edges) most = std::max({most, edge[0], edge[1]});
     if (!text_.faces_vertices.present)
@@ -120,7 +120,7 @@ class FrameReader {
                             frame_.vertices.size(), most));
   }
 
-  Result<void> same_length(const FoldColumn& column, const char* key) const {
+  [[nodiscard]] Result<void> same_length(const FoldColumn& column, const char* key) const {
     if (column.number.size() == frame_.edges.size()) return {};
     return fail(
         ErrorKind::Malformed, at(fmt::format("/{}", key)),

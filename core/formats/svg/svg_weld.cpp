@@ -41,6 +41,7 @@ std::vector<std::vector<std::size_t>> near_sets(const LineWork& work,
                                                 std::span<const std::uint8_t> crossing,
                                                 std::size_t& steps) {
   std::vector<Box> boxes;
+  boxes.reserve(shapes.size());
   for (const FilledShape& shape : shapes) boxes.push_back(box_of(work, shape));
   std::vector<std::size_t> by_left(shapes.size());
   std::iota(by_left.begin(), by_left.end(), std::size_t{0});

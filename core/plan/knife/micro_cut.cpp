@@ -283,7 +283,7 @@ std::size_t append_dashes(double free_mm, double offset_mm, const DashShape& sha
   auto n = static_cast<std::size_t>(std::max(1.0, least));
   double gap = g, dash = f;
   if (n > 1) {
-    const double count = static_cast<double>(n);
+    const auto count = static_cast<double>(n);
     gap = g * std::clamp(f / (count * d + (count - 1) * g), 0.75, 1.0);
     dash = (f - (count - 1) * gap) / count;
   }
@@ -291,7 +291,7 @@ std::size_t append_dashes(double free_mm, double offset_mm, const DashShape& sha
   if (n > 1 && dash < shape.min_dash_mm) {
     --n;
     gap = g;
-    const double count = static_cast<double>(n);
+    const auto count = static_cast<double>(n);
     const double most_lead = std::max(0.0, g - shape.clearance_mm);
     const double least_dash = (f - 2 * most_lead - (count - 1) * gap) / count;
     dash = std::min(std::max(d, least_dash), (f - (count - 1) * gap) / count);

@@ -11,7 +11,7 @@ BlockTour::BlockTour(std::span<const std::uint32_t> sequence, std::span<const st
       place_(sequence.size()),
       flipped_(flipped.begin(), flipped.end()),
       scratch_(sequence.size()) {
-  const double n = static_cast<double>(sequence.size());
+  const auto n = static_cast<double>(sequence.size());
   block_size_ = std::max(8u, static_cast<std::uint32_t>(0.7 * std::sqrt(n)));
   lay_out(sequence);
 }

@@ -141,14 +141,16 @@ class FacesInSpace {
 
   /// The stretches of the line that stay strictly inside face `f`, even if the line shifts by the
   /// slack.
-  std::vector<Interval> interior(std::uint32_t f, const std::vector<double>& off, Vec3 line) const {
+  [[nodiscard]] std::vector<Interval> interior(std::uint32_t f, const std::vector<double>& off,
+                                               const Vec3& line) const {
     std::vector<double> along;
     along.reserve(off.size());
     for (const std::uint32_t v : face_of(file_, f)) along.push_back(dot(line, pose_.at[v]));
     return common(cut_leaning(off, along, slack_, true), cut_leaning(off, along, slack_, false));
   }
 
-  Vec3 point_on_line(std::uint32_t f, std::uint32_t g, Vec3 line, double t) const {
+  [[nodiscard]] Vec3 point_on_line(std::uint32_t f, std::uint32_t g, const Vec3& line,
+                                   double t) const {
     const Vec3 n = motion(f).normal;
     const Vec3 m = motion(g).normal;
     const double a = dot(n, motion(f).origin);

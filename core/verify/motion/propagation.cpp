@@ -2,6 +2,7 @@
 #include "core/verify/motion/propagation.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <optional>
@@ -17,7 +18,7 @@ namespace {
 /// A fold as one of its panels sees it: the other panel, and the place along e1 and e2.
 struct Neighbour {
   std::uint32_t panel{};
-  double place[2]{};
+  std::array<double, 2> place{};
 };
 
 /// Follows one system from the first of its affine panels, held at zero.
@@ -32,17 +33,17 @@ bool reaches_all(const Buckets<Neighbour>& around, const std::vector<std::uint8_
     held[line] = 1;
     ++count;
     for (const Neighbour& node : around[line]) {
-      if (held[node.panel]) continue;
+      if (held[node.panel] != 0) continue;
       held[node.panel] = 1;
       ++count;
       for (const Neighbour& next : around[node.panel])
-        if (!held[next.panel]) work.push_back(next.panel);
+        if (held[next.panel] == 0) work.push_back(next.panel);
     }
   };
   const auto is_determined = [&](std::uint32_t line) {
     std::optional<double> one;
     for (const Neighbour& node : around[line]) {
-      if (!held[node.panel]) continue;
+      if (held[node.panel] == 0) continue;
       const double place = node.place[1 - way];
       if (one && std::abs(place - *one) > slack_mm) return true;
       if (!one) one = place;
@@ -56,7 +57,7 @@ bool reaches_all(const Buckets<Neighbour>& around, const std::vector<std::uint8_
   while (!work.empty()) {
     const std::uint32_t line = work.back();
     work.pop_back();
-    if (!held[line] && is_determined(line)) hold(line);
+    if (held[line] == 0 && is_determined(line)) hold(line);
   }
   return count == along.size();
 }

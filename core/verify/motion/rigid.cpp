@@ -29,7 +29,7 @@ Vec2 direction_of(const HingeLine& line) {
 }
 
 /// `v` rotated about `axis`, whose length is the angle in radians.
-Vec3 rotated(Vec3 v, Vec3 axis) {
+Vec3 rotated(const Vec3& v, const Vec3& axis) {
   const double angle = norm(axis);
   if (angle < 1e-300) return v;
   const Vec3 k = (1.0 / angle) * axis;
@@ -45,7 +45,7 @@ void straighten(PanelMotion& motion) {
 }
 
 /// Rotates a motion about its own image of `middle`, then translates it.
-void apply(PanelMotion& motion, Vec2 middle, Vec3 turn, Vec3 move) {
+void apply(PanelMotion& motion, const Vec2& middle, const Vec3& turn, const Vec3& move) {
   const Vec3 at = motion(middle) + move;
   motion.along_u = rotated(motion.along_u, turn);
   motion.along_v = rotated(motion.along_v, turn);

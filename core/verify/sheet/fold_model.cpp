@@ -2,6 +2,7 @@
 #include "core/verify/sheet/fold_model.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 
@@ -72,7 +73,7 @@ Result<std::vector<Vec3>> coordinates(const FrameText& frame, double scale) {
       return fail(ErrorKind::OutOfRange, fmt::format("{}/vertices_coords/{}", frame.place, i),
                   fmt::format("a vertex has {} coordinates; give 2 or 3", count));
     }
-    double xyz[3] = {0.0, 0.0, 0.0};
+    std::array<double, 3> xyz{};
     for (std::size_t k = 0; k < count; ++k) {
       xyz[k] = scale * column.number[begin + k];
       if (!(std::abs(xyz[k]) <= kMaxCoordinate_mm))

@@ -115,6 +115,7 @@ JoinedDashes join_dashes(std::vector<DrawnEdge>& edges) {
     return result;
   if (links.size() < 3) return result;
   std::vector<double> gaps;
+  gaps.reserve(links.size());
   for (const Link& link : links) gaps.push_back(link.gap_mm);
   std::nth_element(gaps.begin(), gaps.begin() + static_cast<std::ptrdiff_t>(gaps.size() / 2),
                    gaps.end());

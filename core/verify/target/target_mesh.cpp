@@ -38,7 +38,7 @@ class SectionIndex {
       sum += std::abs(p.b[0] - p.a[0]);
     }
     // Columns are as wide as the mean piece, so a piece is in at most three columns on average.
-    const double count = static_cast<double>(pieces_.size());
+    const auto count = static_cast<double>(pieces_.size());
     width_ = std::max({sum / count, (high - low_) / count, 1e-12});
     count_ = 1 + static_cast<std::size_t>((high - low_) / width_);
     columns_ = Buckets<std::uint32_t>(count_, [&](auto&& put) {
@@ -108,7 +108,7 @@ class Mesh : public TargetSurface {
       const auto [from, to] = extent(t);
       low_ = std::min(low_, from), high_ = std::max(high_, to), sum += to - from;
     }
-    const double n = static_cast<double>(count);
+    const auto n = static_cast<double>(count);
     slab_ = std::max({sum / n, (high_ - low_) / n, 1e-12});
     slab_count_ = 1 + static_cast<std::size_t>((high_ - low_) / slab_);
     slabs_ = Buckets<std::uint32_t>(slab_count_, [&](auto&& put) {

@@ -126,7 +126,8 @@ class Solid : public TargetSurface {
       for (std::size_t k = 0; k < count_[2]; ++k)
         for (std::size_t j = 0; j < count_[1]; ++j)
           for (std::size_t i = 0; i < count_[0]; ++i)
-            if ((axis == 0 ? i + 1 == count_[0] : k + 1 == count_[2]) && inside_[index({i, j, k})])
+            if ((axis == 0 ? i + 1 == count_[0] : k + 1 == count_[2]) &&
+                inside_[index({i, j, k})] != 0)
               return true;
       return false;
     }
@@ -140,7 +141,7 @@ class Solid : public TargetSurface {
     }
     void add_tetrahedron(const std::array<Node, 4>& corner, TriangleMesh& out) const {
       std::vector<Node> in, outside;
-      for (const Node& n : corner) (inside_[index(n)] ? in : outside).push_back(n);
+      for (const Node& n : corner) (inside_[index(n)] != 0 ? in : outside).push_back(n);
       const auto add = [&](const Place& a, const Place& b, const Place& c) {
         for (const Place* p : {&a, &b, &c})
           for (const double value : *p) out.corners.push_back(static_cast<float>(value));

@@ -58,7 +58,7 @@ class Borders {
     std::size_t k = index(begin);
     if (k > 0 && !at(begin)) --k;
     for (; k + 1 < v_.size() && v_[k] < end - same_; ++k)
-      if (structure_[k]) return false;
+      if (structure_[k] != 0) return false;
     return true;
   }
 
@@ -89,8 +89,8 @@ class Borders {
     for (std::size_t k = 0, open = 0, covered = 0; k < v_.size(); ++k) {
       open += static_cast<std::size_t>(opens[k]);
       covered += static_cast<std::size_t>(covers[k]);
-      joined_[k] = open > 0;
-      structure_[k] = covered > 0;
+      joined_[k] = open > 0 ? 1 : 0;
+      structure_[k] = covered > 0 ? 1 : 0;
     }
     for (std::size_t e = 0; e < file_.edges.size(); ++e) {
       const auto [a, b] = file_.edges[e];
