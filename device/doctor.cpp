@@ -45,11 +45,11 @@ std::string how_to_get_permission(const Surroundings& s) {
   std::vector<std::string> steps;
   if (!s.group_exists) steps.push_back(fmt::format("sudo groupadd --system {}", kGroup));
   if (!s.rule_installed)
-    steps.push_back("popcut doctor --udev-rule | sudo tee /etc/udev/rules.d/60-popcut.rules");
+    steps.emplace_back("popcut doctor --udev-rule | sudo tee /etc/udev/rules.d/60-popcut.rules");
   if (!s.listed_in_group) steps.push_back(fmt::format("sudo usermod -aG {} {}", kGroup, s.user));
   if (!s.rule_installed || !s.group_exists)
-    steps.push_back("sudo udevadm control --reload; sudo udevadm trigger --subsystem-match=usb");
-  if (!s.in_group) steps.push_back("log out and in again");
+    steps.emplace_back("sudo udevadm control --reload; sudo udevadm trigger --subsystem-match=usb");
+  if (!s.in_group) steps.emplace_back("log out and in again");
   if (steps.empty()) return "plug the cutter in again, so that the udev rule applies to it";
   std::string text;
   for (std::size_t i = 0; i < steps.size(); ++i)

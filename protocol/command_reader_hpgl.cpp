@@ -184,7 +184,7 @@ void HpglReader::close(std::uint64_t end, Program& into) {
   if (mnemonic_ == "DF") relative_ = false;  // default settings; the pen stays where it is
   if (verb == Verb::Home) position_ = {}, down_ = false;
   if (verb == Verb::WindowFar) return close_window(end, into);
-  constexpr double kNone[] = {0};
+  constexpr std::array kNone{0.0};
   const bool deselects = verb == Verb::SelectTool && values.empty();
   push_numbers(verb, mnemonic_, deselects ? std::span<const double>(kNone) : std::span(values), end,
                into);

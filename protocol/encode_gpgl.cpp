@@ -48,12 +48,12 @@ class GpglEncoder final : public StrokeEncoder {
         binary_(draws_binary(options, variant)) {}
 
  private:
-  std::int64_t units(double mm) const { return std::llround(mm / machine_.unit_mm); }
+  [[nodiscard]] std::int64_t units(double mm) const { return std::llround(mm / machine_.unit_mm); }
 
-  double page_width() const {
+  [[nodiscard]] double page_width() const {
     return options_.page_width_mm > 0 ? options_.page_width_mm : machine_.width_mm;
   }
-  double page_length() const {
+  [[nodiscard]] double page_length() const {
     return options_.page_length_mm > 0 ? options_.page_length_mm : machine_.length_mm;
   }
 

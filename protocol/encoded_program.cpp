@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "protocol/encoded_program.hpp"
 
+#include <charconv>
 #include <optional>
+#include <string>
 #include <string_view>
+#include <system_error>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -18,7 +22,8 @@ Result<std::string_view> settings_of(const EncodedProgram& program, ByteRange st
   if (!read) return tl::unexpected(read.error());
   std::uint64_t end = 0;
   for (const Command& command : read->commands) {
-    const bool goes = (command.verb == Verb::Move || command.verb == Verb::Draw) && command.count;
+    const bool goes =
+        (command.verb == Verb::Move || command.verb == Verb::Draw) && command.count != 0;
     if (goes) break;
     end = command.end;
   }

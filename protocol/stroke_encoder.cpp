@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "protocol/stroke_encoder.hpp"
 
+#include <array>
 #include <charconv>
 #include <cmath>
 
@@ -131,11 +132,11 @@ void StrokeEncoder::append_point(GridPoint point) {
 }
 
 void append_number(std::string& text, std::int64_t value, int per_unit) {
-  char digits[24];
+  std::array<char, 24> digits;
   if (value < 0) text += '-';
   const std::int64_t size = value < 0 ? -value : value;
-  const auto whole = std::to_chars(std::begin(digits), std::end(digits), size / per_unit);
-  text.append(std::begin(digits), whole.ptr);
+  const auto whole = std::to_chars(digits.data(), digits.data() + digits.size(), size / per_unit);
+  text.append(digits.data(), whole.ptr);
   const std::int64_t rest = size % per_unit;
   if (rest == 0) return;
   const std::int64_t hundredths = rest * 100 / per_unit;

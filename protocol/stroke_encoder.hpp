@@ -32,6 +32,8 @@ struct StrokeSteps {
 /// the byte range of each. A language writes the bytes.
 class StrokeEncoder {
  public:
+  StrokeEncoder(const StrokeEncoder&) = delete;
+  StrokeEncoder& operator=(const StrokeEncoder&) = delete;
   /// The whole program; its errors are those of `encode`.
   [[nodiscard]] Result<EncodedProgram> run();
 
@@ -46,8 +48,6 @@ class StrokeEncoder {
   StrokeEncoder(const Toolpath& toolpath, const Machine& machine, const PageMap& map,
                 std::optional<double> feed_out_mm, int per_unit = 1,
                 std::size_t bytes_per_point = 12);
-  StrokeEncoder(const StrokeEncoder&) = delete;
-  StrokeEncoder& operator=(const StrokeEncoder&) = delete;
   ~StrokeEncoder() = default;
 
   [[nodiscard]] virtual Result<void> check_job() const { return {}; }

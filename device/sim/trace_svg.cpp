@@ -2,6 +2,7 @@
 // Part of device/sim/trace.hpp.
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <iterator>
 #include <map>
 
@@ -39,7 +40,7 @@ void put_path(std::string& path, std::span<const PagePoint> points) {
 /// From blue for the lightest force used to red for the heaviest, so that no two look the same.
 std::string colour(std::size_t rank, std::size_t count) {
   const double t = count < 2 ? 1.0 : static_cast<double>(rank) / static_cast<double>(count - 1);
-  const auto channel = [](double value) { return static_cast<int>(value * 255 + 0.5); };
+  const auto channel = [](double value) { return static_cast<int>(std::floor(value * 255 + 0.5)); };
   return fmt::format("#{:02x}{:02x}{:02x}", channel(0.1 + 0.75 * t),
                      channel(0.45 * (1 - t) + 0.1 * t), channel(0.85 * (1 - t) + 0.1 * t));
 }
@@ -50,7 +51,7 @@ std::string travel_path(const Trace& trace) {
   for (const TraceStroke& stroke : trace.strokes) {
     const auto points = trace.points_of(stroke);
     if (points.empty()) continue;
-    const PagePoint way[] = {at, points.front()};
+    const std::array way{at, points.front()};
     put_path(path, way);
     at = points.back();
   }

@@ -2,6 +2,7 @@
 #include "device/sim/window.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace popcut {
@@ -11,10 +12,10 @@ std::optional<Inside> clip(const Window& window, PagePoint a, PagePoint b) {
   Inside inside;
   const double dx = b.x - a.x;
   const double dy = b.y - a.y;
-  const double slope[] = {-dx, dx, -dy, dy};
-  const double room[] = {a.x - window.left, window.right - a.x, a.y - window.top,
-                         window.bottom - a.y};
-  for (int side = 0; side < 4; ++side) {
+  const std::array slope{-dx, dx, -dy, dy};
+  const std::array room{a.x - window.left, window.right - a.x, a.y - window.top,
+                        window.bottom - a.y};
+  for (std::size_t side = 0; side < 4; ++side) {
     if (slope[side] == 0) {
       if (room[side] < -kFloatNoiseMm) return std::nullopt;
       continue;

@@ -41,7 +41,7 @@ class UsbBus {
   /// How often devices were plugged in or out since `open`.
   [[nodiscard]] std::uint64_t changes() const;
   /// Waits until `changes` is more than `seen`; false if that took longer than `most`.
-  bool wait_for_change(std::uint64_t seen, std::chrono::milliseconds most) const;
+  [[nodiscard]] bool wait_for_change(std::uint64_t seen, std::chrono::milliseconds most) const;
   /// `call` runs on the bus's own thread after each change; it must not block or call the bus.
   void on_change(std::function<void()> call);
 
