@@ -73,14 +73,14 @@ class CutterSet final : public Cutters {
     listener_ = std::move(changed);
   }
 
-  std::vector<DeviceRecord> list() const override {
+  [[nodiscard]] std::vector<DeviceRecord> list() const override {
     const std::lock_guard lock(mutex_);
     std::vector<DeviceRecord> records;
     for (const auto& cutter : cutters_) records.push_back(cutter->record());
     return records;
   }
 
-  Result<Machine> machine(const std::string& device) const override {
+  [[nodiscard]] Result<Machine> machine(const std::string& device) const override {
     return find(device).map([](const Cutter* cutter) { return cutter->machine(); });
   }
   Result<void> cut(CutOrder order, std::shared_ptr<CutJournal> journal) override {
@@ -131,7 +131,7 @@ class CutterSet final : public Cutters {
     wait_until(until + kGiveUp);
   }
 
-  std::string metrics() const override {
+  [[nodiscard]] std::string metrics() const override {
     std::vector<std::pair<std::string, LineFigures::Shown>> all;
     {
       const std::lock_guard lock(mutex_);
@@ -141,7 +141,7 @@ class CutterSet final : public Cutters {
     return line_metrics(all);
   }
 
-  bool alive() const override {
+  [[nodiscard]] bool alive() const override {
     const std::lock_guard lock(mutex_);
     const auto now = steady_clock::now();
     const auto stuck = std::chrono::duration<double>(options_.stuck_s);
@@ -151,7 +151,7 @@ class CutterSet final : public Cutters {
 
  private:
   /// Cutters stay until the end, so the pointer stays valid.
-  Result<Cutter*> find(const std::string& id) const {
+  [[nodiscard]] Result<Cutter*> find(const std::string& id) const {
     const std::lock_guard lock(mutex_);
     for (const auto& cutter : cutters_)
       if (cutter->device().text == id) return cutter.get();

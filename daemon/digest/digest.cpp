@@ -118,16 +118,16 @@ std::string random_bytes(std::size_t count) {
 }
 
 std::string base64url(std::string_view bytes) {
-  constexpr std::string_view alphabet =
+  constexpr std::string_view kAlphabet =
       "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-_";
   std::string text;
   unsigned held = 0;
   int bits = 0;
   for (const char c : bytes) {
     held = (held << 8 | static_cast<unsigned char>(c)) & 0xFFFFU;
-    for (bits += 8; bits >= 6; bits -= 6) text += alphabet[held >> (bits - 6) & 63U];
+    for (bits += 8; bits >= 6; bits -= 6) text += kAlphabet[held >> (bits - 6) & 63U];
   }
-  if (bits > 0) text += alphabet[held << (6 - bits) & 63U];
+  if (bits > 0) text += kAlphabet[held << (6 - bits) & 63U];
   return text;
 }
 

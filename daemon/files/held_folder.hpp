@@ -41,11 +41,12 @@ class HeldFolder {
   /// has another name too, which may lie elsewhere.
   [[nodiscard]] int append(const std::string& name) const;
   /// As rename, unlink, mkdir: 0, or -1 with errno.
-  int rename(const std::string& from, const std::string& to) const;
-  int remove(const std::string& name) const;
-  int make_folder(const std::string& name, unsigned mode = 0700) const;
+  [[nodiscard]] int rename(const std::string& from, const std::string& to) const;
+  int remove(const std::string& name) const;  // NOLINT(modernize-use-nodiscard): at worst it stays
+  [[nodiscard]] int make_folder(const std::string& name, unsigned mode = 0700) const;
   /// As renameat, to another folder.
-  int move(const std::string& from, const HeldFolder& folder, const std::string& to) const;
+  [[nodiscard]] int move(const std::string& from, const HeldFolder& folder,
+                         const std::string& to) const;
   /// Its entries are on disk; false with errno.
   [[nodiscard]] bool sync() const;
 

@@ -80,7 +80,7 @@ std::string content_of(int file, std::uintmax_t limit_bytes) {
 }
 
 /// Writes to a descriptor, which it closes. errno says what failed.
-class DescriptorBuffer : public std::streambuf {
+class DescriptorBuffer final : public std::streambuf {
  public:
   explicit DescriptorBuffer(int file) : file_(file), block_(1u << 16) {
     setp(block_.data(), block_.data() + block_.size());

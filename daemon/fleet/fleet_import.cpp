@@ -2,6 +2,7 @@
 #include "daemon/fleet/fleet_import.hpp"
 
 #include <algorithm>
+#include <array>
 #include <deque>
 #include <filesystem>
 #include <set>
@@ -31,9 +32,9 @@ constexpr std::size_t kRowsAtOnce = 50;
 
 // Rows that the fleet may have already, from another folder or by itself. They stay as they are.
 bool is_shared(std::string_view table) {
-  constexpr std::string_view kShared[] = {"asset",  "design",   "plan_asker", "material",
-                                          "device", "calendar", "search",     "ownership"};
-  return std::find(std::begin(kShared), std::end(kShared), table) != std::end(kShared);
+  constexpr std::array<std::string_view, 8> kShared{
+      "asset", "design", "plan_asker", "material", "device", "calendar", "search", "ownership"};
+  return std::find(kShared.begin(), kShared.end(), table) != kShared.end();
 }
 
 bool is_person(std::string_view column) {
@@ -265,7 +266,7 @@ class Import {
          at.increment(error))
       if (at->is_regular_file() && !at->is_symlink()) names.insert(at->path().filename().string());
     if (error || names.empty()) done_.missing.push_back(path);
-    for (const std::string& name : names) file(path + "/" + name, "");
+    for (const std::string& name : names) file(fmt::format("{}/{}", path, name), "");
   }
 
   // `id` ends with the digest that the bytes must have, if it is known.

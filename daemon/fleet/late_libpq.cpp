@@ -36,142 +36,140 @@ std::string libpq_fault() { return libpq().fault(); }
 
 }  // namespace popcut::daemon
 
-// All of libpq that libpqxx and popcut call.
+// All of libpq that libpqxx and popcut call, with its own names of parameters.
 extern "C" {
-int PQbackendPID(const PGconn* line) { return real<PQbackendPID>("PQbackendPID", line); }
+int PQbackendPID(const PGconn* conn) { return real<PQbackendPID>("PQbackendPID", conn); }
 int PQcancel(PGcancel* cancel, char* errbuf, int errbufsize) {
   return real<PQcancel>("PQcancel", cancel, errbuf, errbufsize);
 }
-void PQclear(PGresult* rows) { return real<PQclear>("PQclear", rows); }
-int PQclientEncoding(const PGconn* line) {
-  return real<PQclientEncoding>("PQclientEncoding", line);
+void PQclear(PGresult* res) { return real<PQclear>("PQclear", res); }
+int PQclientEncoding(const PGconn* conn) {
+  return real<PQclientEncoding>("PQclientEncoding", conn);
 }
-char* PQcmdStatus(PGresult* rows) { return real<PQcmdStatus>("PQcmdStatus", rows); }
-char* PQcmdTuples(PGresult* rows) { return real<PQcmdTuples>("PQcmdTuples", rows); }
-PostgresPollingStatusType PQconnectPoll(PGconn* line) {
-  return real<PQconnectPoll>("PQconnectPoll", line);
+char* PQcmdStatus(PGresult* res) { return real<PQcmdStatus>("PQcmdStatus", res); }
+char* PQcmdTuples(PGresult* res) { return real<PQcmdTuples>("PQcmdTuples", res); }
+PostgresPollingStatusType PQconnectPoll(PGconn* conn) {
+  return real<PQconnectPoll>("PQconnectPoll", conn);
 }
 PGconn* PQconnectStart(const char* conninfo) {
   return real<PQconnectStart>("PQconnectStart", conninfo);
 }
 PGconn* PQconnectdb(const char* conninfo) { return real<PQconnectdb>("PQconnectdb", conninfo); }
-int PQconsumeInput(PGconn* line) { return real<PQconsumeInput>("PQconsumeInput", line); }
-char* PQdb(const PGconn* line) { return real<PQdb>("PQdb", line); }
+int PQconsumeInput(PGconn* conn) { return real<PQconsumeInput>("PQconsumeInput", conn); }
+char* PQdb(const PGconn* conn) { return real<PQdb>("PQdb", conn); }
 char* PQencryptPassword(const char* passwd, const char* user) {
   return real<PQencryptPassword>("PQencryptPassword", passwd, user);
 }
-int PQendcopy(PGconn* line) { return real<PQendcopy>("PQendcopy", line); }
-char* PQerrorMessage(const PGconn* line) { return real<PQerrorMessage>("PQerrorMessage", line); }
-unsigned char* PQescapeByteaConn(PGconn* line, const unsigned char* from, std::size_t from_length,
+int PQendcopy(PGconn* conn) { return real<PQendcopy>("PQendcopy", conn); }
+char* PQerrorMessage(const PGconn* conn) { return real<PQerrorMessage>("PQerrorMessage", conn); }
+unsigned char* PQescapeByteaConn(PGconn* conn, const unsigned char* from, std::size_t from_length,
                                  std::size_t* to_length) {
-  return real<PQescapeByteaConn>("PQescapeByteaConn", line, from, from_length, to_length);
+  return real<PQescapeByteaConn>("PQescapeByteaConn", conn, from, from_length, to_length);
 }
-char* PQescapeIdentifier(PGconn* line, const char* str, std::size_t len) {
-  return real<PQescapeIdentifier>("PQescapeIdentifier", line, str, len);
+char* PQescapeIdentifier(PGconn* conn, const char* str, std::size_t len) {
+  return real<PQescapeIdentifier>("PQescapeIdentifier", conn, str, len);
 }
-std::size_t PQescapeStringConn(PGconn* line, char* to, const char* from, std::size_t length,
+std::size_t PQescapeStringConn(PGconn* conn, char* to, const char* from, std::size_t length,
                                int* error) {
-  return real<PQescapeStringConn>("PQescapeStringConn", line, to, from, length, error);
+  return real<PQescapeStringConn>("PQescapeStringConn", conn, to, from, length, error);
 }
-PGresult* PQexec(PGconn* line, const char* query) { return real<PQexec>("PQexec", line, query); }
-PGresult* PQexecParams(PGconn* line, const char* command, int n_params, const Oid* param_types,
-                       const char* const* param_values, const int* param_lengths,
-                       const int* param_formats, int result_format) {
-  return real<PQexecParams>("PQexecParams", line, command, n_params, param_types, param_values,
-                            param_lengths, param_formats, result_format);
+PGresult* PQexec(PGconn* conn, const char* query) { return real<PQexec>("PQexec", conn, query); }
+PGresult* PQexecParams(PGconn* conn, const char* command, int nParams, const Oid* paramTypes,
+                       const char* const* paramValues, const int* paramLengths,
+                       const int* paramFormats, int resultFormat) {
+  return real<PQexecParams>("PQexecParams", conn, command, nParams, paramTypes, paramValues,
+                            paramLengths, paramFormats, resultFormat);
 }
-PGresult* PQexecPrepared(PGconn* line, const char* stmt_name, int n_params,
-                         const char* const* param_values, const int* param_lengths,
-                         const int* param_formats, int result_format) {
-  return real<PQexecPrepared>("PQexecPrepared", line, stmt_name, n_params, param_values,
-                              param_lengths, param_formats, result_format);
+PGresult* PQexecPrepared(PGconn* conn, const char* stmtName, int nParams,
+                         const char* const* paramValues, const int* paramLengths,
+                         const int* paramFormats, int resultFormat) {
+  return real<PQexecPrepared>("PQexecPrepared", conn, stmtName, nParams, paramValues, paramLengths,
+                              paramFormats, resultFormat);
 }
-void PQfinish(PGconn* line) { return real<PQfinish>("PQfinish", line); }
-char* PQfname(const PGresult* rows, int field_num) {
-  return real<PQfname>("PQfname", rows, field_num);
+void PQfinish(PGconn* conn) { return real<PQfinish>("PQfinish", conn); }
+char* PQfname(const PGresult* res, int field_num) {
+  return real<PQfname>("PQfname", res, field_num);
 }
-int PQfnumber(const PGresult* rows, const char* field_name) {
-  return real<PQfnumber>("PQfnumber", rows, field_name);
+int PQfnumber(const PGresult* res, const char* field_name) {
+  return real<PQfnumber>("PQfnumber", res, field_name);
 }
 void PQfreeCancel(PGcancel* cancel) { return real<PQfreeCancel>("PQfreeCancel", cancel); }
 void PQfreemem(void* ptr) { return real<PQfreemem>("PQfreemem", ptr); }
-Oid PQftable(const PGresult* rows, int field_num) {
-  return real<PQftable>("PQftable", rows, field_num);
+Oid PQftable(const PGresult* res, int field_num) {
+  return real<PQftable>("PQftable", res, field_num);
 }
-int PQftablecol(const PGresult* rows, int field_num) {
-  return real<PQftablecol>("PQftablecol", rows, field_num);
+int PQftablecol(const PGresult* res, int field_num) {
+  return real<PQftablecol>("PQftablecol", res, field_num);
 }
-Oid PQftype(const PGresult* rows, int field_num) {
-  return real<PQftype>("PQftype", rows, field_num);
+Oid PQftype(const PGresult* res, int field_num) { return real<PQftype>("PQftype", res, field_num); }
+PGcancel* PQgetCancel(PGconn* conn) { return real<PQgetCancel>("PQgetCancel", conn); }
+int PQgetCopyData(PGconn* conn, char** buffer, int async) {
+  return real<PQgetCopyData>("PQgetCopyData", conn, buffer, async);
 }
-PGcancel* PQgetCancel(PGconn* line) { return real<PQgetCancel>("PQgetCancel", line); }
-int PQgetCopyData(PGconn* line, char** buffer, int async) {
-  return real<PQgetCopyData>("PQgetCopyData", line, buffer, async);
+PGresult* PQgetResult(PGconn* conn) { return real<PQgetResult>("PQgetResult", conn); }
+int PQgetisnull(const PGresult* res, int tup_num, int field_num) {
+  return real<PQgetisnull>("PQgetisnull", res, tup_num, field_num);
 }
-PGresult* PQgetResult(PGconn* line) { return real<PQgetResult>("PQgetResult", line); }
-int PQgetisnull(const PGresult* rows, int tup_num, int field_num) {
-  return real<PQgetisnull>("PQgetisnull", rows, tup_num, field_num);
+int PQgetlength(const PGresult* res, int tup_num, int field_num) {
+  return real<PQgetlength>("PQgetlength", res, tup_num, field_num);
 }
-int PQgetlength(const PGresult* rows, int tup_num, int field_num) {
-  return real<PQgetlength>("PQgetlength", rows, tup_num, field_num);
+char* PQgetvalue(const PGresult* res, int tup_num, int field_num) {
+  return real<PQgetvalue>("PQgetvalue", res, tup_num, field_num);
 }
-char* PQgetvalue(const PGresult* rows, int tup_num, int field_num) {
-  return real<PQgetvalue>("PQgetvalue", rows, tup_num, field_num);
-}
-char* PQhost(const PGconn* line) { return real<PQhost>("PQhost", line); }
-int PQisBusy(PGconn* line) { return real<PQisBusy>("PQisBusy", line); }
+char* PQhost(const PGconn* conn) { return real<PQhost>("PQhost", conn); }
+int PQisBusy(PGconn* conn) { return real<PQisBusy>("PQisBusy", conn); }
 int PQisthreadsafe() { return real<PQisthreadsafe>("PQisthreadsafe"); }
-int PQnfields(const PGresult* rows) { return real<PQnfields>("PQnfields", rows); }
-PGnotify* PQnotifies(PGconn* line) { return real<PQnotifies>("PQnotifies", line); }
-int PQntuples(const PGresult* rows) { return real<PQntuples>("PQntuples", rows); }
-Oid PQoidValue(const PGresult* rows) { return real<PQoidValue>("PQoidValue", rows); }
-char* PQport(const PGconn* line) { return real<PQport>("PQport", line); }
-PGresult* PQprepare(PGconn* line, const char* stmt_name, const char* query, int n_params,
-                    const Oid* param_types) {
-  return real<PQprepare>("PQprepare", line, stmt_name, query, n_params, param_types);
+int PQnfields(const PGresult* res) { return real<PQnfields>("PQnfields", res); }
+PGnotify* PQnotifies(PGconn* conn) { return real<PQnotifies>("PQnotifies", conn); }
+int PQntuples(const PGresult* res) { return real<PQntuples>("PQntuples", res); }
+Oid PQoidValue(const PGresult* res) { return real<PQoidValue>("PQoidValue", res); }
+char* PQport(const PGconn* conn) { return real<PQport>("PQport", conn); }
+PGresult* PQprepare(PGconn* conn, const char* stmtName, const char* query, int nParams,
+                    const Oid* paramTypes) {
+  return real<PQprepare>("PQprepare", conn, stmtName, query, nParams, paramTypes);
 }
-int PQprotocolVersion(const PGconn* line) {
-  return real<PQprotocolVersion>("PQprotocolVersion", line);
+int PQprotocolVersion(const PGconn* conn) {
+  return real<PQprotocolVersion>("PQprotocolVersion", conn);
 }
-int PQputCopyData(PGconn* line, const char* buffer, int nbytes) {
-  return real<PQputCopyData>("PQputCopyData", line, buffer, nbytes);
+int PQputCopyData(PGconn* conn, const char* buffer, int nbytes) {
+  return real<PQputCopyData>("PQputCopyData", conn, buffer, nbytes);
 }
-int PQputCopyEnd(PGconn* line, const char* errormsg) {
-  return real<PQputCopyEnd>("PQputCopyEnd", line, errormsg);
+int PQputCopyEnd(PGconn* conn, const char* errormsg) {
+  return real<PQputCopyEnd>("PQputCopyEnd", conn, errormsg);
 }
-void PQreset(PGconn* line) { return real<PQreset>("PQreset", line); }
-char* PQresultErrorField(const PGresult* rows, int fieldcode) {
-  return real<PQresultErrorField>("PQresultErrorField", rows, fieldcode);
+void PQreset(PGconn* conn) { return real<PQreset>("PQreset", conn); }
+char* PQresultErrorField(const PGresult* res, int fieldcode) {
+  return real<PQresultErrorField>("PQresultErrorField", res, fieldcode);
 }
-char* PQresultErrorMessage(const PGresult* rows) {
-  return real<PQresultErrorMessage>("PQresultErrorMessage", rows);
+char* PQresultErrorMessage(const PGresult* res) {
+  return real<PQresultErrorMessage>("PQresultErrorMessage", res);
 }
-ExecStatusType PQresultStatus(const PGresult* rows) {
-  return real<PQresultStatus>("PQresultStatus", rows);
+ExecStatusType PQresultStatus(const PGresult* res) {
+  return real<PQresultStatus>("PQresultStatus", res);
 }
-int PQsendQuery(PGconn* line, const char* query) {
-  return real<PQsendQuery>("PQsendQuery", line, query);
+int PQsendQuery(PGconn* conn, const char* query) {
+  return real<PQsendQuery>("PQsendQuery", conn, query);
 }
-int PQserverVersion(const PGconn* line) { return real<PQserverVersion>("PQserverVersion", line); }
-int PQsetClientEncoding(PGconn* line, const char* encoding) {
-  return real<PQsetClientEncoding>("PQsetClientEncoding", line, encoding);
+int PQserverVersion(const PGconn* conn) { return real<PQserverVersion>("PQserverVersion", conn); }
+int PQsetClientEncoding(PGconn* conn, const char* encoding) {
+  return real<PQsetClientEncoding>("PQsetClientEncoding", conn, encoding);
 }
-PGVerbosity PQsetErrorVerbosity(PGconn* line, PGVerbosity verbosity) {
-  return real<PQsetErrorVerbosity>("PQsetErrorVerbosity", line, verbosity);
+PGVerbosity PQsetErrorVerbosity(PGconn* conn, PGVerbosity verbosity) {
+  return real<PQsetErrorVerbosity>("PQsetErrorVerbosity", conn, verbosity);
 }
-PQnoticeProcessor PQsetNoticeProcessor(PGconn* line, PQnoticeProcessor proc, void* arg) {
-  return real<PQsetNoticeProcessor>("PQsetNoticeProcessor", line, proc, arg);
+PQnoticeProcessor PQsetNoticeProcessor(PGconn* conn, PQnoticeProcessor proc, void* arg) {
+  return real<PQsetNoticeProcessor>("PQsetNoticeProcessor", conn, proc, arg);
 }
-int PQsocket(const PGconn* line) { return real<PQsocket>("PQsocket", line); }
-ConnStatusType PQstatus(const PGconn* line) { return real<PQstatus>("PQstatus", line); }
-void PQtrace(PGconn* line, std::FILE* debug_port) {
-  return real<PQtrace>("PQtrace", line, debug_port);
+int PQsocket(const PGconn* conn) { return real<PQsocket>("PQsocket", conn); }
+ConnStatusType PQstatus(const PGconn* conn) { return real<PQstatus>("PQstatus", conn); }
+void PQtrace(PGconn* conn, std::FILE* debug_port) {
+  return real<PQtrace>("PQtrace", conn, debug_port);
 }
 unsigned char* PQunescapeBytea(const unsigned char* strtext, std::size_t* retbuflen) {
   return real<PQunescapeBytea>("PQunescapeBytea", strtext, retbuflen);
 }
-void PQuntrace(PGconn* line) { return real<PQuntrace>("PQuntrace", line); }
-char* PQuser(const PGconn* line) { return real<PQuser>("PQuser", line); }
+void PQuntrace(PGconn* conn) { return real<PQuntrace>("PQuntrace", conn); }
+char* PQuser(const PGconn* conn) { return real<PQuser>("PQuser", conn); }
 const char* pg_encoding_to_char(int encoding) {
   return real<pg_encoding_to_char>("pg_encoding_to_char", encoding);
 }

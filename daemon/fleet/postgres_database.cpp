@@ -139,7 +139,7 @@ class Watchdog {
 class StandbyListener final : public pqxx::errorhandler {
  public:
   explicit StandbyListener(pqxx::connection& connection) : pqxx::errorhandler(connection) {}
-  bool operator()(const char[]) noexcept override {
+  bool operator()(const char*) noexcept override {
     has_warned = true;
     return false;  // no other node is notified
   }
@@ -149,7 +149,7 @@ class StandbyListener final : public pqxx::errorhandler {
 /// The rows of an answer, all of which is here.
 class PostgresRows final : public RowSource {
  public:
-  explicit PostgresRows(pqxx::result answer) : answer_(std::move(answer)) {}
+  explicit PostgresRows(const pqxx::result& answer) : answer_(answer) {}
   bool next() override { return ++at_ < static_cast<int>(answer_.size()); }
   [[nodiscard]] bool null(int column) const override { return field(column).is_null(); }
   [[nodiscard]] std::int64_t integer(int column) const override {
@@ -256,6 +256,7 @@ std::vector<std::string> words_of_hosts(const PostgresDatabase::Options& options
   const std::vector<FleetUrl> each = FleetUrl::parse(options.url).each_host();
   if (each.size() == 1) return {connection_words(options, options.url)};
   std::vector<std::string> all;
+  all.reserve(each.size());
   for (const FleetUrl& one : each) all.push_back(connection_words(options, one.text()));
   return all;
 }

@@ -53,9 +53,9 @@ class PostgresDatabase final : public Database {
   /// Gives up the connection if the statement that is under way, or one that begins in the next
   /// second, has no answer a second later: somebody wants to stop a knife. From any thread.
   void hurry();
-  /// Waits up to `seconds` for notifications of `channel`, to which it listens from then on, and
+  /// Waits up to `wait_s` for notifications of `channel`, to which it listens from then on, and
   /// gives each one's text to `heard`. False: the server is away.
-  bool listen(std::string_view channel, double seconds,
+  bool listen(std::string_view channel, double wait_s,
               const std::function<void(const std::string& text)>& heard);
 
  private:

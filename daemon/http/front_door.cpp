@@ -5,6 +5,7 @@
 #include <netinet/in.h>
 
 #include <algorithm>
+#include <array>
 
 #include <fmt/format.h>
 
@@ -14,7 +15,7 @@
 namespace popcut::daemon::http {
 namespace {
 
-constexpr std::string_view kOwnHosts[] = {"localhost", "127.0.0.1", "[::1]"};
+constexpr std::array<std::string_view, 3> kOwnHosts{"localhost", "127.0.0.1", "[::1]"};
 
 bool is_listed(const std::vector<std::string>& list, std::string_view word) {
   return std::find(list.begin(), list.end(), word) != list.end();
@@ -65,9 +66,9 @@ std::string place_of(const Peer& peer) {
   if (::inet_pton(AF_INET6, peer.address.c_str(), &address) != 1) return peer.address;
   if (IN6_IS_ADDR_LOOPBACK(&address) || IN6_IS_ADDR_V4MAPPED(&address)) return peer.address;
   std::fill(std::begin(address.s6_addr) + 8, std::end(address.s6_addr), std::uint8_t{0});
-  char text[INET6_ADDRSTRLEN] = "";
-  ::inet_ntop(AF_INET6, &address, text, sizeof(text));
-  return fmt::format("{}/64", text);
+  std::array<char, INET6_ADDRSTRLEN> text{};
+  ::inet_ntop(AF_INET6, &address, text.data(), text.size());
+  return fmt::format("{}/64", text.data());
 }
 
 Answer<Principal> local_principal(const Peer& peer, const LocalUsers& users, uid_t own_uid,

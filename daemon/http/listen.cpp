@@ -8,6 +8,7 @@
 #include <sys/un.h>
 #include <unistd.h>
 
+#include <array>
 #include <cerrno>
 #include <charconv>
 #include <cstring>
@@ -181,17 +182,17 @@ Result<void> Listener::look(bool allow_remote) {
     return fail(ErrorKind::Usage, fmt::format("file descriptor {}", socket_),
                 "listens beyond this computer; give it a loopback address");
   family_ = address.storage.ss_family;
-  char text[INET6_ADDRSTRLEN] = "";
+  std::array<char, INET6_ADDRSTRLEN> text{};
   if (family_ == AF_INET) {
     const auto& four = address.as<sockaddr_in>();
     port_ = ntohs(four.sin_port);
-    inet_ntop(AF_INET, &four.sin_addr, text, sizeof(text));
-    name_ = fmt::format("{}:{}", text, port_);
+    inet_ntop(AF_INET, &four.sin_addr, text.data(), text.size());
+    name_ = fmt::format("{}:{}", text.data(), port_);
   } else if (family_ == AF_INET6) {
     const auto& six = address.as<sockaddr_in6>();
     port_ = ntohs(six.sin6_port);
-    inet_ntop(AF_INET6, &six.sin6_addr, text, sizeof(text));
-    name_ = fmt::format("[{}]:{}", text, port_);
+    inet_ntop(AF_INET6, &six.sin6_addr, text.data(), text.size());
+    name_ = fmt::format("[{}]:{}", text.data(), port_);
   } else {
     is_local_ = true;
     name_ = fmt::format("unix:{}", address.as<sockaddr_un>().sun_path);

@@ -7,6 +7,7 @@
 #include <sys/socket.h>
 
 #include <algorithm>
+#include <array>
 #include <csignal>
 #include <thread>
 #include <utility>
@@ -66,15 +67,16 @@ Peer peer_of(int socket, const http::Listener& listener) {
   }
   sockaddr_storage address{};
   socklen_t size = sizeof(address);
-  char text[INET6_ADDRSTRLEN] = "";
+  std::array<char, INET6_ADDRSTRLEN> text{};
   if (::getpeername(socket, reinterpret_cast<sockaddr*>(&address), &size) == 0) {
     if (address.ss_family == AF_INET)
-      inet_ntop(AF_INET, &reinterpret_cast<sockaddr_in*>(&address)->sin_addr, text, sizeof(text));
+      inet_ntop(AF_INET, &reinterpret_cast<sockaddr_in*>(&address)->sin_addr, text.data(),
+                text.size());
     else
-      inet_ntop(AF_INET6, &reinterpret_cast<sockaddr_in6*>(&address)->sin6_addr, text,
-                sizeof(text));
+      inet_ntop(AF_INET6, &reinterpret_cast<sockaddr_in6*>(&address)->sin6_addr, text.data(),
+                text.size());
   }
-  peer.address = text;
+  peer.address = text.data();
   const int on = 1;
   ::setsockopt(socket, IPPROTO_TCP, TCP_NODELAY, &on, sizeof(on));
   return peer;
@@ -131,7 +133,7 @@ struct HttpServer::Impl {
   void run();
   void turn();
   void begin_stop(double grace_s);
-  void cut_off();
+  void cut_off() const;
 };
 
 Result<void> HttpServer::Impl::listen() {
@@ -202,7 +204,7 @@ void HttpServer::Impl::begin_stop(double grace_s) {
   if (hub.clients.empty()) grace.cancel();
 }
 
-void HttpServer::Impl::cut_off() {
+void HttpServer::Impl::cut_off() const {
   for (const ClientPtr& client : std::vector<ClientPtr>(hub.clients)) client->close();
 }
 

@@ -11,6 +11,7 @@
 
 namespace popcut::pictures {
 
+// NOLINTNEXTLINE(bugprone-macro-parentheses): declares the name
 #define POPCUT_FUNCTION(name) decltype(&::name) name = function(#name)
 
 /// The functions that draw pictures: librsvg's, and those of cairo, GLib and fontconfig, which

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "daemon/pictures/image_reader.hpp"
 
+#include <array>
 #include <csetjmp>
 #include <cstdio>
 #include <utility>
@@ -25,9 +26,10 @@ constexpr int kMostScans = 200;  // of a JPEG; each is a pass over all its pixel
 Result<void> check_size(const std::string& name, std::size_t width, std::size_t height,
                         std::size_t most) {
   if (width > 0 && height > 0 && width <= most / height) return {};
+  const std::size_t tenths = most / 100'000;  // of a million
   return fail(ErrorKind::OutOfRange, name,
               fmt::format("has {} x {} pixels; a picture has from 1 to {} million: make it smaller",
-                          width, height, static_cast<double>(most / 100'000) / 10));
+                          width, height, static_cast<double>(tenths) / 10));
 }
 
 Result<ColourImage> read_png(const std::string& name, std::string_view bytes, std::size_t most) {
@@ -49,14 +51,15 @@ Result<ColourImage> read_png(const std::string& name, std::string_view bytes, st
 /// libjpeg ends a program on an error unless it is told where to go on.
 struct JpegErrors : jpeg_error_mgr {
   std::jmp_buf back;
-  char words[JMSG_LENGTH_MAX];
+  std::array<char, JMSG_LENGTH_MAX> words;
 };
 
 void leave(j_common_ptr info) {
   auto* errors = static_cast<JpegErrors*>(info->err);
-  errors->format_message(info, errors->words);
+  errors->format_message(info, errors->words.data());
   if (errors->msg_code == JERR_CONVERSION_NOTIMPL)
-    std::snprintf(errors->words, sizeof errors->words, "its colours are CMYK and must be RGB");
+    std::snprintf(errors->words.data(), errors->words.size(),
+                  "its colours are CMYK and must be RGB");
   std::longjmp(errors->back, 1);
 }
 
@@ -66,7 +69,8 @@ void say_nothing(j_common_ptr) {}
 void count_scans(j_common_ptr info) {
   if (reinterpret_cast<j_decompress_ptr>(info)->input_scan_number <= kMostScans) return;
   auto* errors = static_cast<JpegErrors*>(info->err);
-  std::snprintf(errors->words, sizeof errors->words, "it has more than %d scans", kMostScans);
+  std::snprintf(errors->words.data(), errors->words.size(), "it has more than %d scans",
+                kMostScans);
   std::longjmp(errors->back, 1);
 }
 
@@ -129,7 +133,7 @@ Result<ColourImage> read_jpeg(const std::string& name, std::string_view bytes, s
                     return to.image.rgba.data();
                   });
   if (!taken.sized) return tl::unexpected(taken.sized.error());
-  if (!read) return unreadable(name, errors.words);
+  if (!read) return unreadable(name, errors.words.data());
   return std::move(taken.image);
 }
 

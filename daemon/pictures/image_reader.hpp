@@ -22,6 +22,6 @@ namespace popcut {
 /// Pixels as a PNG with their ink as opacity.
 ///
 /// @retval Internal  libpng failed
-[[nodiscard]] Result<std::string> png_of_image(const ColourImage& image);
+[[nodiscard]] Result<std::string> png_of_image(const ColourImage& pixels);
 
 }  // namespace popcut

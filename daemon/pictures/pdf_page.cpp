@@ -5,6 +5,7 @@
 #include <poppler.h>
 
 #include <algorithm>
+#include <array>
 #include <map>
 #include <memory>
 #include <new>
@@ -191,7 +192,7 @@ std::string only_lines(std::string_view elements, LeftOut& left_out) {
 
 /// The same with names that no other layer has, and that say nothing (`LayerWords`): "g3-12".
 std::string with_own_names(std::string_view elements, std::size_t number) {
-  constexpr std::string_view kMarks[] = {"id=\"", "href=\"#", "url(#"};
+  constexpr std::array<std::string_view, 3> kMarks{"id=\"", "href=\"#", "url(#"};
   std::map<std::string, std::size_t, std::less<>> names;
   std::string out;
   for (std::size_t at = 0; at < elements.size();) {

@@ -32,8 +32,8 @@ void close_one(int& descriptor) {
 struct Pipe {
   int read{-1}, write{-1};
   bool open() {
-    int ends[2];
-    if (::pipe2(ends, O_CLOEXEC) != 0) return false;
+    std::array<int, 2> ends;
+    if (::pipe2(ends.data(), O_CLOEXEC) != 0) return false;
     read = ends[0];
     write = ends[1];
     return true;
@@ -144,12 +144,14 @@ pid_t fork_apart(int& error) {
   if (::chdir("/") != 0) ::_exit(126);
   set_limits(limits);
   if (::prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0) ::_exit(126);
-  char name[] = "popcutd", word[] = "--worker";
-  char mode_word[16] = "";
-  if (mode != nullptr) std::strncpy(mode_word, mode, sizeof mode_word - 1);
-  char* const arguments[] = {name, word, mode != nullptr ? mode_word : nullptr, nullptr};
-  char* const environment[] = {nullptr};
-  ::execve(program, arguments, environment);
+  auto name = std::to_array("popcutd");
+  auto word = std::to_array("--worker");
+  std::array<char, 16> mode_word{};
+  if (mode != nullptr) std::strncpy(mode_word.data(), mode, mode_word.size() - 1);
+  const std::array<char*, 4> arguments{name.data(), word.data(),
+                                       mode != nullptr ? mode_word.data() : nullptr, nullptr};
+  const std::array<char*, 1> environment{nullptr};
+  ::execve(program, arguments.data(), environment.data());
   ::_exit(127);
 }
 

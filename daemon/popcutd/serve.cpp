@@ -144,8 +144,8 @@ LocalUsers users_of(const Config& config) {
 /// All parts, in the order in which they need each other.
 class Daemon {
  public:
-  Daemon(const Config& config, std::shared_ptr<spdlog::logger> log)
-      : config_(config), log_(std::move(log)) {}
+  Daemon(Config config, std::shared_ptr<spdlog::logger> log)
+      : config_(std::move(config)), log_(std::move(log)) {}
   ~Daemon() { stop(); }
   Daemon(const Daemon&) = delete;
   Daemon& operator=(const Daemon&) = delete;
@@ -624,7 +624,7 @@ void watch(Daemon& daemon, const Config& config, const DaemonOptions& options,
 }  // namespace
 
 int serve(const Config& config, const DaemonOptions& options, const ServiceManager& manager,
-          std::shared_ptr<spdlog::logger> log) {
+          const std::shared_ptr<spdlog::logger>& log) {
   const Signals signals;
   if (const std::string few = allow_descriptors(config.limits); !few.empty()) log->warn("{}", few);
   Daemon daemon(config, log);

@@ -20,6 +20,6 @@ namespace popcut::daemon {
 /// @return the exit code: 0; 5 something is in use; 7 the state cannot be written; 78 the database
 ///         needs a person
 [[nodiscard]] int serve(const Config& config, const DaemonOptions& options,
-                        const ServiceManager& manager, std::shared_ptr<spdlog::logger> log);
+                        const ServiceManager& manager, const std::shared_ptr<spdlog::logger>& log);
 
 }  // namespace popcut::daemon

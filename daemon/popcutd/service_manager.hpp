@@ -16,11 +16,13 @@ class ServiceManager {
   /// environment, so that no child has them.
   [[nodiscard]] static ServiceManager from_environment();
 
+  // Most callers go on without the manager. NOLINTBEGIN(modernize-use-nodiscard)
   /// Sends a state, as in "READY=1\nSTATUS=serving". Nothing happens without a manager; false if
   /// there is one and it cannot be reached.
   bool tell(std::string_view state) const;
   /// `text` without control characters.
   bool tell_status(const std::string& text) const;
+  // NOLINTEND(modernize-use-nodiscard)
   [[nodiscard]] bool present() const { return !socket_.empty(); }
   /// The interval at which it expects a sign of life, or nothing.
   [[nodiscard]] std::optional<double> watchdog_s() const { return watchdog_s_; }

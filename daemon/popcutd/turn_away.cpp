@@ -47,6 +47,7 @@ std::vector<Caller> callers_at(const std::vector<int>& sockets) {
 /// all callers are quiet.
 void read_all(const std::vector<Caller>& callers, Clock::time_point until) {
   std::vector<pollfd> waits;
+  waits.reserve(callers.size());
   for (const Caller& caller : callers) waits.push_back({caller.socket, POLLIN, 0});
   std::array<char, 16384> room{};
   while (Clock::now() < until && ::poll(waits.data(), waits.size(), kQuiet.count()) > 0)
@@ -74,7 +75,7 @@ void turn_away(const std::vector<int>& sockets, const std::string& reason) {
     read_all(callers, until);
     for (const Caller& caller : callers) {
       const std::string& text = caller.local ? local : remote;
-      (void)!::send(caller.socket, text.data(), text.size(), MSG_NOSIGNAL);
+      (void)(::send(caller.socket, text.data(), text.size(), MSG_NOSIGNAL) < 0);
       ::shutdown(caller.socket, SHUT_WR);
       ::close(caller.socket);
     }

@@ -153,7 +153,7 @@ JobTable::QueueSlice JobTable::queue(const std::string& device,
   Rows rows = db_.rows(sql, most, from.priority, from.position, from.id);
   int looked = 0;
   for (; looked < most && rows.next(); ++looked) {
-    JobRow row = read_row<JobRow>(rows);
+    auto row = read_row<JobRow>(rows);
     slice.last = {row.priority, row.position, row.id};
     const std::string& bound = row.device.empty() ? row.requested_device : row.device;
     if (device.empty() || bound.empty() || bound == device) slice.jobs.push_back(std::move(row));

@@ -114,7 +114,7 @@ void give_to_owner(const std::string& folder) {
     if (::lstat(at->path().c_str(), &one) != 0 || one.st_uid != 0) continue;
     // A second name may be of a file that lies elsewhere.
     if (S_ISDIR(one.st_mode) || (S_ISREG(one.st_mode) && one.st_nlink == 1))
-      (void)!::lchown(at->path().c_str(), top.st_uid, top.st_gid);
+      (void)(::lchown(at->path().c_str(), top.st_uid, top.st_gid) == 0);
   }
 }
 

@@ -29,7 +29,7 @@ struct Salvage {
 /// @retval Malformed   nothing can be read of the database
 /// @retval OutOfRange  another version of popcutd wrote it
 /// @retval Unwritable  the folder cannot be read or written, or there is no database
-[[nodiscard]] Result<Salvage> salvage(const std::string& folder);
+[[nodiscard]] Result<Salvage> salvage(const std::string& path);
 
 /// Puts the database `fresh`, which is closed, in the place of the folder's own, and makes the
 /// folder's owner own it. Killed at any instant it leaves the old one, which popcutd then refuses,

@@ -214,7 +214,7 @@ void Store::bear_witness(std::int64_t event) {
         ::open(folder_->at("witness").c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
   const std::string text = fmt::format("{:0{}}\n", event, kWitnessDigits);
   // Best effort: without it less damage is noticed, and nothing else is lost.
-  if (witness_ >= 0) (void)!pwrite(witness_, text.data(), text.size(), 0);
+  if (witness_ >= 0) (void)(pwrite(witness_, text.data(), text.size(), 0) < 0);
 }
 
 void Store::mark_in_use() {

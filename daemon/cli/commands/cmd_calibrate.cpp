@@ -47,7 +47,7 @@ constexpr const char* kSteps = "axes,ruler,time,force";
 class Person {
  public:
   /// A line of the person's; an error at the end of the input.
-  Result<std::string> line(const std::string& question) const {
+  [[nodiscard]] Result<std::string> line(const std::string& question) const {
     fmt::print(stderr, "{} ", question);
     std::fflush(stderr);
     std::string answer;
@@ -60,7 +60,8 @@ class Person {
   }
 
   /// A number from `least` to `most`; asks again until it is one.
-  Result<double> number(const std::string& question, double least, double most) const {
+  [[nodiscard]] Result<double> number(const std::string& question, double least,
+                                      double most) const {
     for (;;) {
       const auto answer = line(question);
       if (!answer) return tl::unexpected(answer.error());
@@ -76,7 +77,7 @@ class Person {
     }
   }
 
-  Result<measure::Way> way(const std::string& question) const {
+  [[nodiscard]] Result<measure::Way> way(const std::string& question) const {
     constexpr std::array<std::string_view, 4> kWays{"right", "left", "up", "down"};
     for (;;) {
       const auto answer = line(question + " [right/left/up/down]");
@@ -87,7 +88,7 @@ class Person {
     }
   }
 
-  Result<bool> yes(const std::string& question) const {
+  [[nodiscard]] Result<bool> yes(const std::string& question) const {
     return line(question + " [y/N]").map([](const std::string& answer) {
       return answer == "y" || answer == "Y" || answer == "yes";
     });
@@ -152,7 +153,7 @@ class Calibration {
     return axis;
   }
 
-  Result<void> load(const std::string& what, double minutes) const {
+  [[nodiscard]] Result<void> load(const std::string& what, double minutes) const {
     const auto ready = person_.line(fmt::format(
         "\n{}\nLoad a sheet ({}, at least {:g} x {:g} mm{}), then press Enter to cut, about {:.0f} "
         "min.",

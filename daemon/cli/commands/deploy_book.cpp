@@ -46,6 +46,7 @@ Result<PoseTable> whole_pose(const DeployedBook& book, double psi_rad) {
 
 std::vector<const Pattern*> DeployedBook::pointers() const {
   std::vector<const Pattern*> out;
+  out.reserve(cards.size());
   for (const Pattern& card : cards) out.push_back(&card);
   return out;
 }

@@ -55,6 +55,7 @@ void onto(int descriptor, int number) {
   onto(output, STDOUT_FILENO);
   onto(output, STDERR_FILENO);
   std::vector<char*> arguments;
+  arguments.reserve(words.size() + 1);
   for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
   arguments.push_back(nullptr);
   ::execvp(arguments[0], arguments.data());

@@ -17,10 +17,10 @@ namespace {
 
 /// Lists the commands, one line each, and wraps the text of options to the terminal.
 class ShortHelp : public CLI::Formatter {
-  std::string make_usage(const CLI::App* app, std::string name) const override {
+  [[nodiscard]] std::string make_usage(const CLI::App* app, std::string name) const override {
     return "\n" + CLI::Formatter::make_usage(app, name);
   }
-  std::string make_option_desc(const CLI::Option* option) const override {
+  [[nodiscard]] std::string make_option_desc(const CLI::Option* option) const override {
     constexpr std::size_t kMost = 100, kLeast = 60;
     const std::size_t width = std::clamp(terminal_columns(STDOUT_FILENO, kMost), kLeast, kMost);
     std::string what = option->get_description(), text;
@@ -29,7 +29,7 @@ class ShortHelp : public CLI::Formatter {
       text += (text.empty() ? "" : "\n") + line;
     return text;
   }
-  std::string make_subcommand(const CLI::App* command) const override {
+  [[nodiscard]] std::string make_subcommand(const CLI::App* command) const override {
     const std::string what = command->get_description();
     const std::string line = "  " + command->get_name();
     return line + std::string(line.size() < 14 ? 14 - line.size() : 1, ' ') +

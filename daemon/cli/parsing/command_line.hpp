@@ -20,6 +20,7 @@ class Option {
   Option() = default;
   explicit Option(CLI::Option* option) : option_(option) {}
 
+  // Each changes the option and gives it back for the next. NOLINTBEGIN(modernize-use-nodiscard)
   /// What the help shows in place of the value: "MM [0.05]".
   Option value_text(const std::string& text) const;
   Option required(bool is_required = true) const;
@@ -35,6 +36,7 @@ class Option {
   /// Refuses, while the command line is read, each value with which `fault_of` finds a fault: it
   /// returns "" or "is "x"; give ...".
   Option checked(std::function<std::string(const std::string&)> fault_of) const;
+  // NOLINTEND(modernize-use-nodiscard)
 
   /// Whether it stands on the command line.
   [[nodiscard]] bool is_given() const;

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "core/artwork/colour_mesh.hpp"
 #include "core/result.hpp"
 #include "core/search/standing.hpp"
 #include "daemon/planning/search/card_search.hpp"

@@ -92,6 +92,7 @@ Result<std::string> opened_picture(const std::vector<OpenedCard>& openings,
   constexpr int kLargeTile = 330;
   const likeness::Box around = likeness::box_of(openings.front().triangles);
   std::vector<Row> rows;
+  rows.reserve(openings.size() + 1);
   for (const OpenedCard& one : openings)
     rows.push_back({one.words, &one.triangles, likeness::kPaperColour, around});
   rows.push_back({"the model", &model, likeness::kModelColour, around});

@@ -402,6 +402,7 @@ std::vector<std::string> waiting_for(const Json& job) {
 
 std::vector<std::string> waiting_lines(const std::vector<std::string>& waits, std::size_t indent) {
   std::vector<std::string> lines;
+  lines.reserve(waits.size());
   for (const std::string& wait : waits)
     lines.push_back(std::string(indent, ' ') + (wait.front() == ' ' ? "   " : "-> ") + wait);
   return lines;

@@ -309,6 +309,7 @@ JsonObject json_of(const NextAction& action) {
 
 std::vector<JsonObject> json_of(const std::vector<NextAction>& actions) {
   std::vector<JsonObject> all;
+  all.reserve(actions.size());
   for (const NextAction& action : actions) all.push_back(json_of(action));
   return all;
 }

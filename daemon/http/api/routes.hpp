@@ -35,7 +35,7 @@ class RouteAccess {
  public:
   constexpr explicit RouteAccess(Role least) : role_(least), open_(false) {}
   /// Everyone, without authentication. Only for requests that change nothing.
-  static constexpr RouteAccess everyone() { return RouteAccess(); }
+  static constexpr RouteAccess everyone() { return {}; }
   [[nodiscard]] constexpr bool is_open() const { return open_; }
   [[nodiscard]] constexpr Role role() const { return role_; }
   [[nodiscard]] constexpr bool allows(Role role) const { return open_ || role >= role_; }

@@ -246,7 +246,8 @@ class CardSearch {
   [[nodiscard]] bool is_printed() const { return !is_book() && !request_.plain; }
   [[nodiscard]] std::size_t count(std::size_t usual, std::size_t least) const {
     const double each = effort_ / request_.cards;
-    return std::max(least, static_cast<std::size_t>(each * static_cast<double>(usual) + 0.5));
+    return std::max(least,
+                    static_cast<std::size_t>(std::floor(each * static_cast<double>(usual) + 0.5)));
   }
 
   /// A part of this search as one of all the work, between the ways to stand and the end.
@@ -410,7 +411,7 @@ class CardSearch {
     std::vector<std::array<double, 3>> near;
     for (const Way& way : best_ways(ways, request_.front ? 0 : kWaysTurnedOn))
       for (const auto& turn : turns_near(way.rotate_deg, !request_.up)) near.push_back(turn);
-    for (Way& way : judged(near, {0.03, 0.05})) ways.push_back(std::move(way));
+    for (const Way& way : judged(near, {0.03, 0.05})) ways.push_back(way);
     if (!request_.front) ways = telling(std::move(ways), {0.05, 0.06});
     ways_ = with_straight(best_ways(ways, kWays), straight);
     drawn_ways_ = ways_.size();
@@ -655,6 +656,7 @@ class CardSearch {
   }
   [[nodiscard]] static std::vector<Judged> judged_of(const std::vector<Trial>& trials) {
     std::vector<Judged> out;
+    out.reserve(trials.size());
     for (const Trial& trial : trials) out.push_back(trial.judged);
     return out;
   }
@@ -672,6 +674,7 @@ class CardSearch {
     std::vector<std::size_t> out;
     for (const auto& kind : kinds) {
       std::vector<Judged> own;
+      own.reserve(kind.size());
       for (const std::size_t k : kind) own.push_back(judged[k]);
       Halving half = halving;
       half.keep = kinds[0].empty() || kinds[1].empty() ? halving.keep : (halving.keep + 1) / 2;

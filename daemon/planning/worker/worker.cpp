@@ -55,7 +55,7 @@ class Pipes {
   [[nodiscard]] bool say(std::string_view words) const { return put(words); }
 
  private:
-  bool put(std::string_view bytes) const {
+  [[nodiscard]] bool put(std::string_view bytes) const {
     while (!bytes.empty()) {
       const ssize_t put = ::write(out_, bytes.data(), bytes.size());
       if (put < 0 && errno == EINTR) continue;

@@ -25,6 +25,7 @@ std::map<std::string, std::string> rows_of(std::string_view list, std::string_vi
 
 std::vector<std::string> names_of(const std::map<std::string, std::string>& rows) {
   std::vector<std::string> names;
+  names.reserve(rows.size());
   for (const auto& [name, row] : rows) names.push_back(name);
   return names;
 }
@@ -100,6 +101,7 @@ std::vector<MaterialRecord> MaterialRepository::list() {
     all[rows.text(0)] = {
         .id = rows.text(0), .rev = rows.integer(1), .json = rows.text(2), .built_in = false};
   std::vector<MaterialRecord> list;
+  list.reserve(all.size());
   for (auto& [id, record] : all) list.push_back(std::move(record));
   return list;
 }
