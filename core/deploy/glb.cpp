@@ -153,7 +153,7 @@ class FacePaper {
     const std::uint32_t first = faces.first_corner[f];
     for (std::uint32_t i = first; i < faces.first_corner[f + 1]; ++i) {
       const Vec3& at = faces.corner[i];  // (u - wall, v, 0)
-      corners_.push_back(at - pivot);
+      corners_.emplace_back(at - pivot);
       if (picture == nullptr) continue;
       places_.push_back(static_cast<float>((at[1] - picture->left_mm) / picture->width_mm));
       places_.push_back(

@@ -39,8 +39,7 @@ class Crossings {
  public:
   Crossings(const std::vector<Segment>& lines, double tolerance, NodeIndex& nodes)
       : lines_(lines), tolerance_(tolerance), nodes_(nodes) {
-    for (std::uint32_t i = 0; i < lines.size(); ++i)
-      ends_.push_back({node_at(lines[i].a), node_at(lines[i].b)});
+    for (const Segment& line : lines) ends_.push_back({node_at(line.a), node_at(line.b)});
   }
 
   bool find() {

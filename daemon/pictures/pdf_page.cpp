@@ -18,6 +18,7 @@
 namespace popcut::pictures {
 namespace {
 
+// NOLINTNEXTLINE(bugprone-macro-parentheses): declares the name
 #define POPCUT_FUNCTION(name) decltype(&::name) name = function(#name)
 
 /// The functions of poppler, and those of cairo and GLib, which poppler needs itself.

@@ -33,8 +33,8 @@ std::string header_damage(const std::string& path) {
   if (!file) return "cannot be opened";
   if (std::fread(header.data(), 1, header.size(), file.get()) != header.size())
     return "is too short for a database";
-  constexpr std::string_view magic("SQLite format 3\0", 16);
-  if (!std::equal(magic.begin(), magic.end(), header.begin())) return "is not an SQLite database";
+  constexpr std::string_view kMagic("SQLite format 3\0", 16);
+  if (!std::equal(kMagic.begin(), kMagic.end(), header.begin())) return "is not an SQLite database";
   if (header[18] != 2 || header[19] != 2) return "is not in write-ahead mode";
   const unsigned id = static_cast<unsigned>(header[68]) << 24 |
                       static_cast<unsigned>(header[69]) << 16 |
@@ -247,7 +247,7 @@ Store::~Store() {
 }
 
 std::string back_up(Database& database, const StateFolder& folder, const std::string& name) {
-  const std::string path = folder.at("backups/" + name);
+  std::string path = folder.at("backups/" + name);
   const std::string fresh = folder.at("backups/.new-" + name);
   remove_tree(fresh);
   database.run("VACUUM INTO ?", fresh);

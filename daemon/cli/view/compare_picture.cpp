@@ -23,7 +23,7 @@ using likeness::Rgb;
 constexpr int kPixels = 480, kTile = 300, kGap = 8, kTop = 58, kLegend = 34;
 
 Result<std::string> tile(const Pixels& pixels, int column, int row) {
-  const auto png = png_of_pixels(pixels.rgb, pixels.size, pixels.size);
+  auto png = png_of_pixels(pixels.rgb, pixels.size, pixels.size);
   if (!png) return png;
   return fmt::format(
       "<image x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" href=\"data:image/png;base64,{}\"/>\n",
@@ -89,15 +89,15 @@ Result<std::string> compare_picture(const likeness::Target& target, likeness::Tr
     const likeness::Frame frame = seen.frame(k);
     const int row = static_cast<int>(k);
     likeness::draw(frame, model, image);
-    const auto first =
+    auto first =
         tile(likeness::shaded(image, frame.pitch_mm(), jump, likeness::kModelColour), 0, row);
     if (!first) return first;
     likeness::draw(frame, structure, image);
-    const auto second =
+    auto second =
         tile(likeness::shaded(image, frame.pitch_mm(), jump, likeness::kPaperColour), 1, row);
     if (!second) return second;
     seen.draw_view(k, structure, image);
-    const auto third = tile(likeness::difference(seen, k, image), 2, row);
+    auto third = tile(likeness::difference(seen, k, image), 2, row);
     if (!third) return third;
     svg += *first + *second + *third;
   }
