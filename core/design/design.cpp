@@ -63,7 +63,7 @@ class Designer {
     auto sliced = slice_target(spec_, assets_, progress_);
     if (!sliced) {
       Error error = sliced.error();  // a placement is proposed for triangles only
-      if (!solid_word(spec_.surface) && !spec_.is_card) error.reason = ErrorReason::None;
+      if (solid_word(spec_.surface) == nullptr && !spec_.is_card) error.reason = ErrorReason::None;
       return tl::unexpected(std::move(error));
     }
     sliced_ = std::move(*sliced);
@@ -519,7 +519,7 @@ class Designer {
   }
   bool cut(int slice, const std::string& reason) {
     auto& cut = cut_after_[static_cast<std::size_t>(slice)];
-    if (cut || slice + 1 >= sliced_.slices()) return false;
+    if (cut != 0 || slice + 1 >= sliced_.slices()) return false;
     cut = 1;
     notes_.push_back(cut_between(static_cast<std::size_t>(slice)) + reason);
     return true;
@@ -532,7 +532,7 @@ class Designer {
       if (strips.kind[s] != StripKind::Connector) continue;
       bool loose = false;
       for (std::uint32_t p = strips.first_panel[s]; p < strips.first_panel[s + 1]; ++p)
-        loose = loose || motion.loose[static_cast<std::size_t>(built.panel_face[p])];
+        loose = loose || motion.loose[static_cast<std::size_t>(built.panel_face[p])] != 0;
       if (loose) any = cut(strips.slice[s], "their connector would leave panels loose") || any;
     }
     return any;

@@ -185,12 +185,12 @@ class Placer {
     int refused = 0;
     for (const Standing& way : best(ways_.size())) {
       if (designed.size() == kDesigned) break;
-      if (const auto reached = reached_by_design(way.placement)) {
+      const auto reached = reached_by_design(way.placement);
+      if (reached) {
         designed.emplace_back(way, *reached);
         continue;
-      } else if (!refusal) {
-        refusal = reached.error();
       }
+      if (!refusal) refusal = reached.error();
       if (designed.empty()) ++refused;
     }
     if (designed.empty()) {
@@ -270,7 +270,7 @@ Result<ProposedPlacement> propose_placement(const DesignSpec& spec, const Surfac
                     "only; set rotate_deg and translate_mm by hand, or leave it out for the "
                     "proposal",
                     spec.placement.design_angle_deg));
-  if (!solid_word(spec.surface))
+  if (solid_word(spec.surface) == nullptr)
     return fail(ErrorKind::Infeasible, "/surface/type",
                 "a placement is proposed for meshes, grids, texts and drawings only; set "
                 "rotate_deg and translate_mm by hand");

@@ -123,7 +123,7 @@ bool mark_loose(RunLayout& layout, const Strips& strips, const BuiltPattern& bui
       std::vector<std::uint8_t>& marks = connectors ? run.loose_levels : run.loose_planes;
       marks.resize(run.planes.value.size());
       for (std::uint32_t p = strips.first_panel[s]; p < strips.first_panel[s + 1]; ++p) {
-        if (strips.level[p] < 0 || !motion.loose[static_cast<std::size_t>(built.panel_face[p])])
+        if (strips.level[p] < 0 || motion.loose[static_cast<std::size_t>(built.panel_face[p])] == 0)
           continue;
         const std::size_t at =
             static_cast<std::size_t>(left) * static_cast<std::size_t>(run.planes.units + 1) +
