@@ -64,7 +64,7 @@ set(popcut_sanitized
   "property/(faults_memory|service_faults) : memory or the disk ends at any call"
   "unit/daemon/http_memory : memory ends at any call")
 
-# What CI runs of it: the entries whose programs need nothing of the daemon, which takes as long to compile as the rest.
+# What CI runs of it: all but the daemon's own entries, which wait for minutes and take as long again to compile.
 set(popcut_sanitized_daemon "^(e2e|usb|unit/daemon|unit/fleet|property/(service|session|store|faults_memory))")
 
 # What needs the PostgreSQL of the run (support/fleet_postgres.cpp); unit/support/ configures and freezes its own.
