@@ -29,13 +29,13 @@ constexpr int kOpenings = 64;      ///< that are looked at, from open to shut
 using EndsOut = std::array<bool, 2>;
 constexpr std::array<EndsOut, 3> kWays{EndsOut{true, false}, {false, true}, {false, false}};
 
-/// A box or a tent as it moves: all lengths in mm, for a half opening with the cosine c.
-struct Moving {
+/// A box or a tent as the card shuts: lengths in mm; c is the cosine of half of the opening.
+struct MovingBlock {
   bool is_tent{};
   double half{}, height{}, rise{};
   BoxElement box{};
 
-  explicit Moving(const Block& block, const BoxElement& element)
+  MovingBlock(const Block& block, const BoxElement& element)
       : is_tent(block.is_tent()),
         half(block.half_mm),
         height(is_tent ? 0.0 : element.height_mm),
@@ -72,7 +72,7 @@ struct SlopeSection {
   double edge{}, fold{};  ///< their heights
 };
 /// The slope at a place outward from its end; none beyond its foot.
-std::optional<SlopeSection> slope_at(const Moving& pyramid, double out_mm, double c) {
+std::optional<SlopeSection> slope_at(const MovingBlock& pyramid, double out_mm, double c) {
   const Vec2 foot = pyramid.foot(c);
   if (!(foot.x() > 0.0) || out_mm > foot.x()) return std::nullopt;
   const double share = out_mm / foot.x(), low = pyramid.top(c), top = pyramid.ridge(c),
@@ -83,7 +83,7 @@ std::optional<SlopeSection> slope_at(const Moving& pyramid, double out_mm, doubl
 }
 
 /// Whether the slopes of two pyramids that fold toward each other do not meet.
-bool slopes_pass(const Moving& one, const Moving& other, double gap_mm, double c) {
+bool slopes_pass(const MovingBlock& one, const MovingBlock& other, double gap_mm, double c) {
   constexpr int kPlaces = 8;
   const double reach = one.foot(c).x();
   for (int k = 0; k <= kPlaces; ++k) {
@@ -107,8 +107,10 @@ bool slopes_pass(const Moving& one, const Moving& other, double gap_mm, double c
 /// Whether the slope at an end of a pyramid, which folds outward over the block beside it, goes
 /// neither through its roof nor through the slope that folds toward it from there.
 ///
-/// @param gap_mm  between both; 0 where they touch
-bool clears_roof(const Moving& pyramid, const Moving& other, double gap_mm, bool other_has_slope) {
+/// @param gap_mm           between both; 0 where they touch
+/// @param other_has_slope  whether the other one is a pyramid with a slope at this end
+bool clears_roof(const MovingBlock& pyramid, const MovingBlock& other, double gap_mm,
+                 bool other_has_slope) {
   return holds_always([&](double c) {
     const Vec2 foot = pyramid.foot(c);
     const double from_other = other_has_slope ? other.foot(c).x() : 0.0;
@@ -118,11 +120,11 @@ bool clears_roof(const Moving& pyramid, const Moving& other, double gap_mm, bool
     if (low + foot.y() >= walls + ridge + kClear_mm && low >= corner + kClear_mm) return true;
     if (gap_mm == 0.0 || !other.is_pyramid()) return false;
     // Between the slopes of a pyramid there is room up to its end, which folds away.
-    const double into = foot.x() - gap_mm + kClear_mm,
+    const double into = foot.x() - gap_mm,
                  half_length = 0.5 * (other.box.to_mm - other.box.from_mm),
                  at_border =
                      pyramid.half * std::max(0.0, 1.0 - gap_mm / std::max(foot.x(), gap_mm));
-    return into < std::min(other.end(c), half_length) + kClear_mm && at_border < other.half &&
+    return into < std::min(other.end(c), half_length) && at_border < other.half &&
            (!other_has_slope || slopes_pass(pyramid, other, gap_mm, c));
   });
 }
@@ -130,7 +132,7 @@ bool clears_roof(const Moving& pyramid, const Moving& other, double gap_mm, bool
 /// Whether an end that folds outward passes the block beside it, whose end folds away from it.
 ///
 /// @param verge_mm  of the roof beside it, toward it
-bool passes(const Moving& box, const Moving& other, double gap_mm, double verge_mm) {
+bool passes(const MovingBlock& box, const MovingBlock& other, double gap_mm, double verge_mm) {
   return holds_always([&](double c) {
     const double out = box.end(c);
     if (!other.is_tent) {
@@ -191,8 +193,8 @@ class EndsChooser {
   [[nodiscard]] const BoxElement& box(std::size_t k, std::size_t way) const {
     return boxes_[k * kWays.size() + way];
   }
-  [[nodiscard]] Moving moving(std::size_t k, std::size_t way) const {
-    return Moving(row_.blocks[k], box(k, way));
+  [[nodiscard]] MovingBlock moving(std::size_t k, std::size_t way) const {
+    return MovingBlock(row_.blocks[k], box(k, way));
   }
   [[nodiscard]] double gap_mm(std::size_t k) const {
     return row_.blocks[k + 1].from_mm - row_.blocks[k].to_mm;
@@ -222,7 +224,7 @@ class EndsChooser {
   /// Whether block `k` and the next one open and shut beside each other.
   [[nodiscard]] bool fit(std::size_t k, std::size_t way, std::size_t next) const {
     if (row_.touches[k]) return true;
-    const Moving a = moving(k, way), b = moving(k + 1, next);
+    const MovingBlock a = moving(k, way), b = moving(k + 1, next);
     const double gap =
         gap_mm(k) - std::max({0.0, a.is_tent ? 0.0 : a.box.to_mm - row_.blocks[k].to_mm,
                               b.is_tent ? 0.0 : row_.blocks[k + 1].from_mm - b.box.from_mm});
@@ -300,7 +302,7 @@ Result<std::vector<BoxElement>> firm_boxes(const BlockRow& row) {
   const auto ways = chooser.cheapest();
   if (!ways) {
     const std::size_t k = chooser.without_room();
-    const Moving a = chooser.moving(k - 1, 0), b = chooser.moving(k, 0);
+    const MovingBlock a = chooser.moving(k - 1, 0), b = chooser.moving(k, 0);
     const double needed =
         std::ceil(2.0 * std::max(a.half, b.half) + a.box.bend_mm + b.box.bend_mm + 2.0);
     return fail(ErrorKind::Infeasible, "/boxes",
@@ -312,7 +314,7 @@ Result<std::vector<BoxElement>> firm_boxes(const BlockRow& row) {
   std::vector<BoxElement> out;
   for (std::size_t k = 0; k < row.blocks.size(); ++k) out.push_back(chooser.box(k, (*ways)[k]));
   for (std::size_t k = 0; k + 1 < row.blocks.size(); ++k) {
-    const Moving a(row.blocks[k], out[k]), b(row.blocks[k + 1], out[k + 1]);
+    const MovingBlock a(row.blocks[k], out[k]), b(row.blocks[k + 1], out[k + 1]);
     const double gap =
         row.touches[k] ? 0.0 : std::min(chooser.gap_mm(k), b.box.from_mm - a.box.to_mm);
     if (a.is_pyramid())

@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::size_t kMostDrops = 8, kMostPaintings = 60, kMostTried = 600,
                       kMostTriedRoughly = 150;
-constexpr int kManyIdle = 20;
+constexpr int kManyIdle = 20;  ///< rounds in which nothing held: most cards have fewer
 constexpr int kMostTries = 8, kShiftRounds = 14, kMostBridges = 4;
 constexpr double kLeastHeld = 0.05;        ///< less is rounding
 constexpr double kDearer = 2.0;            ///< than the best move of a round
@@ -89,8 +89,9 @@ class Repairer {
     work_ += work_of(card_.holding);
   }
 
-  /// After many rounds in which no move held anything: those of one strip are not looked at again
-  /// before something in it or beside it changes, or until another move holds something.
+  /// Remembers the moves of a round in which none held anything, once there were many such rounds.
+  /// Those of one strip are not tried again before that strip or one beside it changes, or another
+  /// move holds something.
   void remember(std::span<const Move> tried) {
     if (++idle_rounds_ < kManyIdle) return;
     for (const Move& move : tried)
@@ -243,9 +244,10 @@ class Repairer {
     const std::vector<LoosePatch> loose = loose_patches(card_);
     if (loose.empty()) return clear_loose();
     const LoosePatch& smallest = loose.front();
-    for (const LabelBan& cell : smallest.cells)
+    for (const LabelBan& cell : smallest.cells) {
       given_up_.emplace(cell.strip, labels_of(card_.image(), cell.strip));
-    for (const LabelBan& cell : smallest.cells) forget_beside(cell.strip);
+      forget_beside(cell.strip);
+    }
     if (how_.jumps) {
       take(painted_over(card_, smallest, false));
     } else {

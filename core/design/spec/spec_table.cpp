@@ -739,8 +739,7 @@ FieldTable patches_table(SpecFields& spec) {
                    fmt::format("a list of 2 to {} designs", kMostPatches))),
        "designs that are joined one after another along the spine. Each has the fields of a design "
        "except popcut, material, pen, sheet, design_angle_deg and book. card, fit, lattice, "
-       "solver, "
-       "min_panel_mm and max_step_over_mean beside patches are the defaults of those"},
+       "solver, min_panel_mm and max_step_over_mean beside patches are the defaults of those"},
       {"join", joins(spec),
        "auto: one sheet where walls and grounds agree, else a seam; sheet: one sheet or an error; "
        "seam: separate patterns that are glued. One word for all borders, or a list"},
